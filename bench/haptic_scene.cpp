@@ -113,7 +113,7 @@ Scene with_tool(Scene scene, double radius_m) {
   return scene;
 }
 
-enum class Motion { kLeap, kStroke, kGlide };
+enum class Motion { kJump, kStroke, kGlide };
 
 double thread_cpu_s() {
   timespec now{};
@@ -219,7 +219,7 @@ constexpr Row kRows[] = {
     {"fans_8x50000_tool", [] { return with_tool(meshes(fan(50000)), 0.004); }},
 };
 constexpr std::pair<const char*, Motion> kMotions[] = {
-    {"leap", Motion::kLeap}, {"stroke", Motion::kStroke}, {"glide", Motion::kGlide}};
+    {"leap", Motion::kJump}, {"stroke", Motion::kStroke}, {"glide", Motion::kGlide}};
 
 } // namespace
 

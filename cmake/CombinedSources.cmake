@@ -1,7 +1,7 @@
-# combine_sources(): call once, when every target is known, before precompile_headers(). The compiler
-# then reads the project's headers, and instantiates their templates, once for several source files:
-# half of the work. Each file compiles by itself all the same: the preset `separate` and -DTACTUS_COMBINE=OFF
-# do so. build/sources/compile_commands.json has a command for each file.
+# combine_sources(): call once, when all targets exist, before precompile_headers(). The compiler then reads
+# the project's headers and instantiates their templates once for several source files, which halves the work.
+# Each file also compiles separately: the preset `separate` and -DTACTUS_COMBINE=OFF do so.
+# build/sources/compile_commands.json has a command for each file.
 option(TACTUS_COMBINE "compile several source files as one" ON)
 set(files_at_once 8)
 
@@ -20,16 +20,17 @@ function(combine_library target)
     endif()
   endforeach()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # Of a type in a .cpp that is included: as if it were a header.
+    # An included .cpp looks like a header to the compiler, which warns of types without linkage in it.
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
   else()
-    # A local name that a neighbour's unnamed namespace has too; g++, which checks each file by itself, warns of the rest.
+    # A local name may equal one in a neighbour's unnamed namespace; g++, which checks each file separately,
+    # warns of all other cases.
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow>)
   endif()
 endfunction()
 
-# combine_tests(TARGET SOURCE...): tests name their helpers alike, so each NAME_test.cpp gets a namespace; a file of
-# another name is compiled by itself
+# combine_tests(TARGET SOURCE...): test files use the same names for their helpers, so each NAME_test.cpp gets
+# its own namespace; files with other names are compiled separately
 function(combine_tests target)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(output ${target} BINARY_DIR)

@@ -1,4 +1,4 @@
-# How every file of tactus is compiled. docs/architecture.md, "Numbers", says why.
+# Compiler options for every file of tactus. docs/architecture.md, "Numbers", has the reasons.
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -9,7 +9,8 @@ set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow)
-# Errors by the compilers of Debian 12, which check every change; a newer one may have something new to say.
+# Warnings are errors with the compilers of Debian 12, which check every change; newer ones may have new
+# warnings.
 if((CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
    OR (CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 15))
   add_compile_options(-Werror)
@@ -30,7 +31,7 @@ if(TACTUS_SANITIZE)
   endif()
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g1)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 17)
-    # From then on clang looks at C functions too. Pd and Max call every method by a pointer of one type.
+    # Clang 17 and newer also check C functions. Pd and Max call every method by a pointer of one type.
     add_compile_options(-fno-sanitize=function)
   endif()
   add_link_options(-fsanitize=address,undefined)

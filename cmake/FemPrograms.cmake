@@ -13,8 +13,8 @@ function(fem_program name sheet)
   configure_file(${sheet} ${CMAKE_CURRENT_BINARY_DIR}/${sheet} COPYONLY)
 endfunction()
 
-# mpi_engine(PROGRAM ENGINE MODULE...): the optional program ENGINE/ENGINE_solve.cpp, which
-# `PROGRAM --engine ENGINE` runs under mpirun, where pkg-config knows the modules
+# mpi_engine(PROGRAM ENGINE MODULE...): builds the optional program ENGINE/ENGINE_solve.cpp, which `PROGRAM
+# --engine ENGINE` runs under mpirun, if pkg-config finds the modules
 function(mpi_engine program engine)
   find_package(PkgConfig QUIET)
   if(PKG_CONFIG_FOUND AND NOT TACTUS_SANITIZE)

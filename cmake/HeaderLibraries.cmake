@@ -1,6 +1,6 @@
-# Libraries that are headers alone, or of which only the headers are used. A cross compiler does not
-# look into the system's folder, and must not: its neighbours there are another system's. So it gets
-# links to these, in a folder of the build.
+# Header-only libraries, and libraries of which only headers are used. A cross compiler must not search the
+# system's include folder, which also has headers for another system. It gets links to the needed headers in a
+# folder of the build.
 if(NOT CMAKE_CROSSCOMPILING)
   return()
 endif()

@@ -1,11 +1,11 @@
-# `cmake --install build [--prefix FOLDER] [--component NAME]`, when every target is known. Components:
-#   pd           the library folder, PDLIBDIR/tactus: externals, help, abstractions, bodies; needs Pd alone
-#   solvers      in the library folder: programs of finite elements that externals start, with their libraries
-#   programs     what users run, into bin/
+# `cmake --install build [--prefix FOLDER] [--component NAME]`; included after all targets exist. Components:
+#   pd           the library folder, PDLIBDIR/tactus: externals, help, abstractions, bodies; needs only Pd
+#   solvers      in the library folder: finite-element programs that externals start, with their libraries
+#   programs     users' programs, in bin/
 #   development  headers, static libraries and find_package(tactus)
-# docs/install.md says how they are used.
+# docs/install.md explains their use.
 if(TACTUS_SANITIZE)
-  return() # a build to be tested, not to be installed
+  return() # a build for tests; it is not installed
 endif()
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -51,7 +51,7 @@ foreach(program haptic_server haptic_check)
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
   endif()
 endforeach()
-# With what they run and look for beside themselves, so a folder of their own and a link in bin/.
+# These programs use files beside themselves, so they get their own folder and a link in bin/.
 set(own_folder ${CMAKE_INSTALL_LIBEXECDIR}/tactus)
 file(RELATIVE_PATH link_to_own_folder ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/tactus)
 foreach(program modal_fem part_stress)
@@ -73,26 +73,25 @@ endforeach()
 
 # tactus::core and, where they are built, tactus::files, tactus::fem, tactus::devices, tactus::net and
 # tactus::net_sockets.
-foreach(room core files fem devices net net_sockets)
-  if(NOT TARGET tactus_${room})
+foreach(module core files fem devices net net_sockets)
+  if(NOT TARGET tactus_${module})
     continue()
   endif()
-  set_target_properties(tactus_${room} PROPERTIES EXPORT_NAME ${room})
-  install(TARGETS tactus_${room} EXPORT tactus COMPONENT development
+  set_target_properties(tactus_${module} PROPERTIES EXPORT_NAME ${module})
+  install(TARGETS tactus_${module} EXPORT tactus COMPONENT development
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactus)
-  if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${room})
-    install(DIRECTORY ${CMAKE_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactus
+  if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${module})
+    install(DIRECTORY ${CMAKE_SOURCE_DIR}/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactus
             COMPONENT development FILES_MATCHING PATTERN "*.hpp")
   endif()
 endforeach()
-target_compile_features(tactus_core INTERFACE cxx_std_20)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactus)
 install(EXPORT tactus NAMESPACE tactus:: FILE tactusTargets.cmake DESTINATION ${package_folder}
         COMPONENT development)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/tactusConfig.cmake.in
   ${CMAKE_BINARY_DIR}/tactusConfig.cmake INSTALL_DESTINATION ${package_folder})
-# Before 1.0 a second number may change what is declared.
+# Before 1.0 a new minor version may change declarations.
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/tactusConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/tactusConfig.cmake ${CMAKE_BINARY_DIR}/tactusConfigVersion.cmake

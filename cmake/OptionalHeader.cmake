@@ -1,6 +1,6 @@
-# optional_header(HEADER VARIABLE): whether C++ sources can include HEADER. A header that was missing is looked for
-# again each time, since ./test and users install packages between two configurations of one folder; one that
-# was there is not.
+# optional_header(HEADER VARIABLE): whether C++ sources can include HEADER. A header that was missing is
+# searched for again at every configuration, since ./test and users install packages in between; a header that
+# was found is not.
 include(CheckIncludeFileCXX)
 macro(optional_header header variable)
   if(NOT ${variable})

@@ -1,5 +1,5 @@
-# Parts of the house that need other libraries. AUTO takes what this system has and says in one line
-# what is left out; ON ends the configuration when something is missing; OFF leaves the part out.
+# Parts of the project that need other libraries. AUTO builds a part if its libraries are found, and prints
+# one line otherwise; ON ends the configuration if a library is missing; OFF leaves the part out.
 set(TACTUS_FEM AUTO CACHE STRING "finite elements, modal_fem and part_stress: AUTO, ON or OFF")
 set(TACTUS_DEVICES AUTO CACHE STRING "drivers of real haptic devices: AUTO, ON or OFF")
 foreach(option TACTUS_FEM TACTUS_DEVICES)
@@ -17,8 +17,8 @@ function(leave_out option what reason)
   message(STATUS "Left out: ${what}: ${reason}")
 endfunction()
 
-# AUTO: on Windows and macOS; natively for the tests alone, which load them into a host of ours. It is decided anew at
-# each configuration, as ./play and ./test, without and with tests, share a folder.
+# AUTO: on Windows and macOS; natively only for the tests, which load the modules into a mock host. AUTO is
+# evaluated at each configuration, since ./play (without tests) and ./test share a build folder.
 set(TACTUS_MAX AUTO CACHE STRING "modules for Max: AUTO, ON or OFF")
 set_property(CACHE TACTUS_MAX PROPERTY STRINGS AUTO ON OFF)
 if(NOT TACTUS_MAX MATCHES "^(AUTO|ON|OFF)$")

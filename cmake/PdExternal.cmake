@@ -119,7 +119,7 @@ function(pd_external name)
     set(stage ${CMAKE_BINARY_DIR}/test-objects)
   endif()
   set(sizes ${PD_FLOAT_SIZES})
-  if(TACTUS_MAX) # computes in double
+  if(TACTUS_MAX) # Max uses double precision
     list(APPEND sizes 64)
     list(REMOVE_DUPLICATES sizes)
   endif()

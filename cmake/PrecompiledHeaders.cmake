@@ -1,7 +1,7 @@
-# precompile_headers(): call once, when every target is known. The standard library's headers, which are
-# most of what a source file makes the compiler read, are then read once for all files that are compiled
-# alike. A missing include is found all the same: tests/core/check_includes.py looks for the header of
-# every name of std; with -DTACTUS_PRECOMPILE=OFF the compiler reads every file by itself.
+# precompile_headers(): call once, when all targets exist. The standard library's headers are most of the
+# compiler's input per source file; they are read once for all files with equal compiler options. Missing
+# includes are still found: tests/core/check_includes.py checks the header of every name of std; with
+# -DTACTUS_PRECOMPILE=OFF the compiler reads every file separately.
 option(TACTUS_PRECOMPILE "read the standard library's headers once for all files" ON)
 set(often_included <algorithm> <array> <atomic> <bit> <charconv> <chrono> <cmath> <complex> <concepts>
   <condition_variable> <cstddef> <cstdint> <cstdio> <cstdlib> <cstring> <deque> <fstream> <functional>
@@ -31,18 +31,19 @@ function(precompile_headers)
     get_target_property(options ${target} COMPILE_OPTIONS)
     get_target_property(libraries ${target} LINK_LIBRARIES)
     get_target_property(disabled ${target} DISABLE_PRECOMPILE_HEADERS)
-    if(disabled) # what is first of its kind must have the header
+    if(disabled) # the first target of a group must build the header
       continue()
     endif()
     if(sources MATCHES "\\.c(;|$)" OR NOT sources MATCHES "\\.cpp")
       continue()
     endif()
-    # Alike are: libraries, or programs, whose addresses are of different kinds; of what ships, or of
-    # tests, or of core's tests, each with its own optimisation; with the thread sanitizer or without.
+    # Targets share a header if they are of one group: libraries or programs (which differ in
+    # position-independent code); of what is installed, of the tests, or of core's tests (which differ in
+    # optimisation); with the thread sanitizer or without it.
     if(type STREQUAL "EXECUTABLE")
       set(kind PROGRAMS)
     elseif(type MATCHES "(STATIC|OBJECT|MODULE)_LIBRARY"
-           AND NOT (TACTUS_SANITIZE AND folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")) # few, and of two kinds
+           AND NOT (TACTUS_SANITIZE AND folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")) # few targets, with two sets of options
       set(kind LIBRARIES)
     else()
       continue()
@@ -56,13 +57,13 @@ function(precompile_headers)
       string(APPEND kind _WATCHED)
     endif()
     get_property(first GLOBAL PROPERTY TACTUS_FIRST_OF_${kind})
-    # A header with definitions of one target's own is none for the others.
+    # A target with its own definitions cannot share the header.
     get_target_property(definitions ${target} COMPILE_DEFINITIONS)
     if(definitions AND NOT first)
       continue()
     endif()
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # ccache asks for it
+      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # required by ccache
       if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
         # More false warnings of std::string's operator+ (GCC bug 105651, see CompilerRules.cmake).
         target_compile_options(${target} PRIVATE

@@ -1,12 +1,13 @@
-# How tests are registered.
+# Functions that register tests.
 #
-# A case that takes long says so: in doctest's suite "slow", or by pytest's mark `slow`. What has such cases is two
-# entries: NAME without them, which ./test runs, and NAME_slow with them alone, labelled slow, which ./test --full adds.
-# In a build with sanitizers Pd's patches and programs as their users run them are slow as a whole.
-# What is compiled anew under the thread sanitizer is labelled threads and built for ./test --sanitize alone (the target
-# `watched`).
+# Slow cases are marked: by doctest's suite "slow", or by pytest's mark `slow`. A test with such cases becomes
+# two entries: NAME without them, which ./test runs, and NAME_slow with them alone, labelled slow, which
+# ./test --full adds. In a build with sanitizers, tests of Pd patches and of users' programs are slow as a
+# whole. Tests that are compiled separately under the thread sanitizer are labelled threads and built only for
+# ./test --sanitize (the target `watched`).
 
-# What every test in Python knows; under sanitizers, whose library comes before Pd, a `pd` that loads it is first in the path.
+# Environment of every Python test. Under sanitizers a `pd` that preloads the sanitizer's library comes first
+# in the path.
 set(test_environment "TACTUS_STAGE=${TACTUS_STAGE}" "TACTUS_BUILD=${CMAKE_BINARY_DIR}")
 set(test_path "")
 if(TACTUS_SANITIZE)
@@ -21,8 +22,8 @@ LD_PRELOAD="@sanitizers@" ASAN_OPTIONS=detect_leaks=0 exec @TACTUS_PD@ "$@"
   set(test_path "PATH=path_list_prepend:${CMAKE_BINARY_DIR}/sanitized")
 endif()
 
-# slow_cases(VARIABLE FILE...): OFF; ON where a file says that one of its cases is slow; ALL where every case is, or a
-# Python file says it of the whole
+# slow_cases(VARIABLE FILE...): OFF; ON if a file marks one of its cases as slow; ALL if every case is marked,
+# or a Python file is marked as a whole
 function(slow_cases variable)
   set(found OFF)
   set(cases 0)
@@ -84,7 +85,8 @@ function(unit_test name program)
   endif()
 endfunction()
 
-# python_test(NAME FILE_OR_FOLDER...): pytest cases (tests/pytest.ini), with what every test in Python knows
+# python_test(NAME FILE_OR_FOLDER...): pytest cases (tests/pytest.ini), with the environment of every Python
+# test
 function(python_test name)
   set(files "")
   foreach(file IN LISTS ARGN)
@@ -143,7 +145,7 @@ function(test_properties)
   endforeach()
 endfunction()
 
-# The thread sanitizer, whose library and the address sanitizer's exclude each other.
+# The thread sanitizer's library excludes the address sanitizer's.
 set(TACTUS_WATCH_THREADS OFF)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT TACTUS_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
   include(CheckCXXSourceCompiles)
@@ -168,7 +170,7 @@ function(watch_threads)
   endforeach()
 endfunction()
 
-# watched_test(NAME...): these tests run what is watched
+# watched_test(NAME...): tests of the targets of watch_threads()
 function(watched_test)
   test_properties(${ARGN} PROPERTIES LABELS threads FIXTURES_REQUIRED watched TIMEOUT 300)
 endfunction()

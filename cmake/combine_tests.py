@@ -1,11 +1,11 @@
-"""Writes one source file that includes several test files, each in a namespace of its own, so that
-names of one are none of another:
+"""Writes one source file that includes several test files, each in its own namespace, so that their names
+do not clash:
 
     combine_tests.py OUTPUT SOURCE...
 
-The headers that the files include come first; their own #include lines then find them read already
-(#pragma once). A namespace of tactus that a file opens would hide the one of that name outside, so it
-is made before, with a using-directive for what it hides.
+The headers that the files include come first; the files' own #include lines then have no effect
+(#pragma once). A namespace of tactus that a file opens would hide the outer one of that name, so it is
+defined before, with a using-directive for the hidden namespace.
 """
 import pathlib
 import re
@@ -16,7 +16,7 @@ NAMESPACE = re.compile(r"^namespace (tactus(?:::\w+)*) \{", re.MULTILINE)
 
 
 def outer_names(text):
-    """Declarations that let each opened namespace see the one that it hides."""
+    """Declarations that make the hidden outer namespaces visible in each opened namespace."""
     lines = []
     for name in sorted(set(NAMESPACE.findall(text))):
         parts = name.split("::")
@@ -27,7 +27,7 @@ def outer_names(text):
 
 
 def combined(sources):
-    """The text of the file that stands for these sources."""
+    """The text of the combined source file."""
     texts = {source: source.read_text(encoding="utf-8") for source in sources}
     lines = list(dict.fromkeys(line for text in texts.values() for line in INCLUDE.findall(text)))
     for number, (source, text) in enumerate(texts.items()):

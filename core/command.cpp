@@ -71,7 +71,7 @@ std::optional<std::size_t> max_arguments(const Declaration& declaration, std::st
   return std::nullopt;
 }
 
-/// What may stand in a box: "preset, then -name value".
+/// Usage text of the creation arguments: "preset, then -name value".
 std::string usage(const Declaration& declaration) {
   std::string words;
   for (const CreationArgument& argument : declaration.arguments)

@@ -14,7 +14,7 @@ namespace tactus {
 struct Atom;
 class Host;
 
-/// Its address stands for a class of objects.
+/// Its address identifies a class of objects.
 template <class Object> inline constexpr char kOwner{};
 
 /// A number the user can set: creation flag `-name value`, message `name value`, `get name`.
@@ -32,14 +32,14 @@ struct Parameter {
   /// False if setting it allocates or hands work to a thread: a host then never sets it in its
   /// audio thread.
   bool realtime = true;
-  /// False if to set it is an act that somebody must mean, such as to end an emergency stop: a host
-  /// then keeps it neither with the patch nor in presets.
+  /// False if setting it must be a deliberate act, such as ending an emergency stop: a host then
+  /// saves it neither with the patch nor in presets.
   bool stored = true;
-  /// True if it seeds what is left to chance: a host gives every instance, and every channel of
-  /// one, a seed of its own (core/instance_numbers.hpp).
+  /// True if it seeds random numbers: a host gives every instance, and every channel of an
+  /// instance, its own seed (core/instance_numbers.hpp).
   bool seeds = false;
-  /// What sets and gets it in an object of the class `owner`; see core/rows.hpp. The value is
-  /// finite and within the range; neither function throws, allocates nor locks if `realtime`.
+  /// Functions that set and get it in an object of the class `owner`; see core/rows.hpp. The value
+  /// is finite and within the range; neither function throws, allocates nor locks if `realtime`.
   void (*set)(void* object, double value) = nullptr;
   double (*get)(const void* object) = nullptr;
   const char* owner = nullptr;
@@ -67,11 +67,12 @@ struct Message {
   /// True if its first argument may be the name of a file, so that a host can send it a file that
   /// is dropped onto the object's box.
   bool file = false;
-  /// The word behind which it takes the name of a file or array of the host; "*": any word may be
-  /// one. For names_file() (core/command.hpp), the rule of hosts that look them up in one thread.
+  /// The argument word that precedes the name of a file or array of the host; "*": any word may be
+  /// such a name. Read by names_file() (core/command.hpp) for hosts that look names up in one
+  /// thread only.
   std::string_view name_behind{};
-  /// What carries it out in an object of the class `owner`, with as many arguments as are accepted;
-  /// `row` is this message.
+  /// Function that carries it out in an object of the class `owner`. The number of arguments is an
+  /// accepted one; `row` is this message.
   void (*run)(void* object, const Message& row, std::span<const Atom> arguments,
               Host& host) = nullptr;
   const char* owner = nullptr;
@@ -83,34 +84,34 @@ struct Message {
   }
 };
 
-/// The message, whose first argument may be the name of a file.
+/// Marks the message as one whose first argument may be the name of a file.
 [[nodiscard]] constexpr Message takes_file(Message message) {
   message.file = true;
   return message;
 }
-/// The message, which a host may carry out in its audio thread.
+/// Marks the message as one that a host may carry out in its audio thread.
 [[nodiscard]] constexpr Message realtime(Message message) {
   message.realtime = true;
   return message;
 }
-/// The parameter, which a host never sets in its audio thread.
+/// Marks the parameter as one that a host never sets in its audio thread.
 [[nodiscard]] constexpr Parameter not_realtime(Parameter parameter) {
   parameter.realtime = false;
   return parameter;
 }
-/// The parameter, which a host keeps neither with the patch nor in presets.
+/// Marks the parameter as one that a host saves neither with the patch nor in presets.
 [[nodiscard]] constexpr Parameter not_stored(Parameter parameter) {
   parameter.stored = false;
   return parameter;
 }
 
-/// A text that is known when it is compiled.
+/// A string literal as a template argument.
 template <std::size_t size> struct Literal {
   std::array<char, size> text{};
   constexpr Literal(const char (&literal)[size]) { std::copy_n(literal, size, text.begin()); }
 };
 
-/// That text, and what is true of every seed.
+/// The text, followed by the rule for the seeds of further instances.
 template <Literal text>
 inline constexpr auto kSeedText = [] {
   constexpr std::string_view rule = "; further instances start with 2, 3, ...";
@@ -120,7 +121,7 @@ inline constexpr auto kSeedText = [] {
   return both;
 }();
 
-/// The parameter `seed`; the text says of what.
+/// The parameter `seed`; the text names what it seeds.
 template <Literal text> [[nodiscard]] constexpr Parameter seed_parameter() {
   Parameter parameter{
       "seed", "", 1, 0, 16777215, std::string_view(kSeedText<text>.data(), kSeedText<text>.size())};
@@ -147,9 +148,9 @@ struct Declaration {
   std::span<const Message> messages{};
   std::span<const CreationArgument> arguments{};
   std::string_view related{}; ///< objects and patches to look at next: "greed~, reed_haptic.pd"
-  std::string_view
-      pages{}; ///< of docs/, that explain it: "the model: theory/greed.md, guidance: guidance.md"
-  std::string_view sound{}; ///< of it, made by ./play: "fanfare/fanfare.wav: two trumpets"
+  /// Pages of docs/ that explain it: "the model: theory/greed.md, guidance: guidance.md"
+  std::string_view pages{};
+  std::string_view sound{}; ///< a recording made by ./play: "fanfare/fanfare.wav: two trumpets"
 };
 
 } // namespace tactus

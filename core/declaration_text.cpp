@@ -47,8 +47,9 @@ std::string alternatives(const List& list, Text text, std::string_view last = " 
   return sentence;
 }
 
-/// The candidate that differs from the name by the fewest edits; else empty. Two edits at most, in
-/// words of four letters or fewer one: two make of one short word nearly any other.
+/// The candidate that differs from the name by the fewest edits; empty if none is close. At most
+/// two edits, or one in words of up to four letters, since two turn a short word into nearly any
+/// other.
 class Nearest {
 public:
   explicit Nearest(std::string_view name)
@@ -63,15 +64,16 @@ public:
 private:
   static constexpr std::size_t kShort = 4;
   std::string_view name_, nearest_{};
-  std::size_t min_distance_; // of the nearest so far; at first, the first that is too far
+  std::size_t min_distance_; // of the nearest so far; initially the first distance that is too
+                             // large
 };
 
 std::string did_you_mean(std::string_view name) {
   return "; did you mean '" + std::string(name) + "'?";
 }
 
-/// "; it is inlet 1, a signal in Pa" for the name of an inlet, which takes its values without a
-/// word; else empty.
+/// "; it is inlet 1, a signal in Pa" for the name of an inlet, which takes values without a
+/// selector; else empty.
 std::string inlet_hint(const Declaration& declaration, std::string_view name) {
   const auto index = find_named(declaration.inlets, name);
   if (!index)
@@ -85,7 +87,7 @@ std::string inlet_hint(const Declaration& declaration, std::string_view name) {
   return hint;
 }
 
-/// Messages that hosts send by themselves. They are not taken for misspelt messages of an object.
+/// Messages that hosts send on their own. They are not taken for misspelt messages of an object.
 bool is_of_the_host(std::string_view name) {
   return name == "bang" || name == "float" || name == "list" || name == "symbol";
 }

@@ -27,8 +27,8 @@ namespace tactus {
 /// Sentence for an unknown message: "no message 'presset'; did you mean 'preset'?", "no message
 /// 'bang'; there are preset, reset and tongue", "no message 'p_m'; it is inlet 1, a signal in Pa".
 [[nodiscard]] std::string unknown_name_text(const Declaration&, std::string_view name);
-/// Sentence for `get` of a name that the object has no answer to: "get gian: nothing of that name;
-/// did you mean 'gain'?", "get reset: a message without a value; 'dump' shows all that have one".
+/// Sentence for `get` of a name without a value: "get gian: nothing of that name; did you mean
+/// 'gain'?", "get reset: a message without a value; 'dump' shows all that have one".
 [[nodiscard]] std::string no_answer_text(const Declaration&, std::string_view name);
 
 } // namespace tactus

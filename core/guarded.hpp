@@ -7,14 +7,14 @@
 
 namespace tactus {
 
-/// Calls work() for a host written in C, through which no exception may pass: each call of a host
-/// into an object goes through here. A failure becomes say(why), a text that needs no memory; what
-/// say() itself throws is dropped. True if work() came to its end.
+/// Calls work() for a host written in C, whose frames no exception may cross: every call from a
+/// host into an object goes through this function. An exception is reported by say(reason), whose
+/// text needs no allocation; exceptions of say() are dropped. Returns true if work() returned.
 template <class Work, class Say> bool guarded(Work&& work, Say&& say) noexcept {
   const auto tell = [&say](const char* why) {
     try {
       say(why);
-    } catch (...) { // no memory for the sentence either
+    } catch (...) { // not enough memory for the sentence either
     }
     return false;
   };
@@ -24,7 +24,7 @@ template <class Work, class Say> bool guarded(Work&& work, Say&& say) noexcept {
     return true;
   } catch (const std::bad_alloc&) {
     return tell(kNoMemory);
-  } catch (const std::length_error&) { // a container of more than all memory
+  } catch (const std::length_error&) { // a container beyond max_size()
     return tell(kNoMemory);
   } catch (const std::exception& failure) {
     return tell(failure.what());

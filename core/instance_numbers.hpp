@@ -9,18 +9,18 @@
 #include <utility>
 #include <vector>
 
-/// What each instance of an object leaves to chance is its own: two alike in one patch would sound
-/// 6 dB louder, not 3, and from one place. A parameter that seeds begins with its declared value in
-/// the first instance, and one higher in each further one, so that a patch that is opened again, or
-/// rendered again, has the same seeds.
+/// Seeds of instances. Two instances with the same seed in one patch would be correlated: their sum
+/// would be 6 dB louder instead of 3 dB, and would seem to come from one point. A parameter with
+/// `seeds` starts with its declared value in the first instance and one higher in each further
+/// instance, so that a patch that is opened or rendered again has the same seeds.
 namespace tactus {
 
-/// The numbers that the living instances of an object have, from 0 up, in each host apart.
+/// The numbers, from 0, of an object's existing instances; each host counts its own.
 class InstanceNumbers {
   using Taken = std::pair<const void*, std::size_t>;
 
 public:
-  /// A number, until the end of this hold on it: the lowest that is free.
+  /// Holds the lowest free number for its own lifetime.
   class Hold {
   public:
     Hold(InstanceNumbers& numbers, const void* host) : numbers_(numbers), taken_{host, 0} {
@@ -51,7 +51,8 @@ private:
 
 namespace seeds {
 
-/// Further channels keep this distance, which few patches have instances to bridge.
+/// Distance between the seeds of successive channels: larger than the number of instances in nearly
+/// all patches, so that channels and instances do not share seeds.
 inline constexpr double kChannelStep = 65536;
 
 [[nodiscard]] inline double wrapped(const Parameter& seed, double value) noexcept {
@@ -61,14 +62,14 @@ inline constexpr double kChannelStep = 65536;
 
 } // namespace seeds
 
-/// What a parameter is in a new instance.
+/// Initial value of a parameter in a new instance.
 [[nodiscard]] inline double initial_value(const Parameter& parameter,
                                           std::size_t instance) noexcept {
   return parameter.seeds
              ? seeds::wrapped(parameter, parameter.initial + static_cast<double>(instance))
              : parameter.initial;
 }
-/// What a channel, from 0, gets when a parameter is set.
+/// Value for a channel (counted from 0) when a parameter is set.
 [[nodiscard]] inline double channel_value(const Parameter& parameter, double value,
                                           std::size_t channel) noexcept {
   return parameter.seeds && channel > 0

@@ -4,12 +4,12 @@
 
 namespace tactus {
 
-/// Times in messages count to 65536 ms and begin again at 0: a host's single float then holds them
-/// to 1/256 ms, and its text of six digits to 0.1 ms, however long it has run. Two of them are
-/// compared on the circle, where they are at most half of it apart.
+/// Times in messages are taken modulo 65536 ms: a host's single float then resolves them to 1/256
+/// ms, and its text of six digits to 0.1 ms, however long the host has run. The difference of two
+/// times is taken modulo the period too, so that they must be less than 32768 ms apart.
 inline constexpr double kMessageTimePeriod_ms = 65536;
 
-/// The time for a message, ms; from 0 to below 65536, also as a single float.
+/// The time in a message, ms: 0 to below 65536, also after rounding to a single float.
 [[nodiscard]] inline double message_time(double ms) noexcept {
   constexpr double kHalfStep_ms = 1.0 / 512; // of a single float just below the period
   const double time = ms - kMessageTimePeriod_ms * std::floor(ms / kMessageTimePeriod_ms);

@@ -4,8 +4,8 @@
 
 namespace tactus {
 
-/// The host as an object's dump() sees it when `get` asks for one name: lets through only the info
-/// lines that begin with it.
+/// The Host that an object's dump() is given when `get` asks for one name: it passes on only the
+/// info lines that begin with this name.
 class NamedLines final : public Host {
 public:
   NamedLines(Host& host, std::string_view name) : host_(host), name_(name) {}

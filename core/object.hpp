@@ -26,10 +26,10 @@
 ///   void posted(Host&);                                        answer to Host::wake_from_thread
 ///   void created(Host&);                                       once, after the creation arguments
 ///   void dump_first(Host&);          lines before the parameters, which refine them: a preset
-///   void dump(Host&);                more lines after the parameters; both only tell, since
+///   void dump(Host&);                more lines after the parameters; both change nothing, since
 ///                                    `get NAME` runs them for one line
 ///   static constexpr std::size_t timers = N;                   timers used with wake_in
-///   static constexpr bool multichannel = true;                 one copy of the object a channel
+///   static constexpr bool multichannel = true;                 one copy of the object per channel
 namespace tactus {
 
 /// A number or a word of a message. A word is valid only during the call.
@@ -100,8 +100,9 @@ template <class S> struct Block {
   std::size_t frames;
   /// Logical time of the first sample, on the clock of Host::now_ms(); NaN if unknown.
   double start_ms = std::numeric_limits<double>::quiet_NaN();
-  /// The same of the outputs: later by as much as a re-blocked window is longer than the host's
-  /// tick, since the host plays such a block from then on whose inputs it has collected before.
+  /// Logical time at which the host plays the first output sample. It is later than start_ms if a
+  /// re-blocked window is longer than the host's tick, because the host has to collect the inputs
+  /// of the whole window first; the delay is the difference of the two lengths.
   double output_ms = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] std::span<const S> in(std::size_t i) const { return {inputs[i], frames}; }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxShown = 8;    // values
 constexpr std::size_t kMaxLength = 120; // of a word
 
-/// number_text() fits into a std::string without allocating.
+/// Allocates nothing: the result of number_text() fits into a std::string's own buffer.
 void append(Sentence& sentence, const Atom& value) {
   if (!value.is_word)
     sentence += number_text(value.number);

@@ -8,8 +8,8 @@
 
 namespace tactus {
 
-/// The error of a message with wrong values: "jump 2: expected a height of 0.01 to 1 m". Of many or
-/// long values the first are shown, then "...". Allocates nothing.
+/// The error of a message with wrong values: "jump 2: expected a height of 0.01 to 1 m". If the
+/// values are many or long, only the first are quoted, followed by "...". Allocates nothing.
 [[nodiscard]] Sentence refusal(std::string_view message, std::span<const Atom> given,
                                std::string_view expected);
 

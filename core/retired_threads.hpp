@@ -10,8 +10,8 @@
 
 namespace tactus {
 
-/// Threads whose owners have gone, until they have ended: an owner that is deleted in the host's
-/// thread waits for nothing. Such a thread holds what it uses itself.
+/// Threads that outlive their owners, until they end: an owner that is deleted in the host's thread
+/// need not wait for its thread. Such a thread must own all that it uses.
 class RetiredThreads {
 public:
   /// `ended`: set by the thread as its last act.
@@ -23,7 +23,7 @@ public:
   }
 
 private:
-  /// At the end of the program: a second for all of them.
+  /// At the end of the program: waits for all threads together, one second at most.
   ~RetiredThreads() {
     constexpr int kMaxWaits = 100;
     for (int i = 0; i < kMaxWaits && !entries_.empty(); ++i) {

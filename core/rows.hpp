@@ -25,13 +25,13 @@
 ///     };
 ///   };
 ///
-/// The first value of a parameter is that of the member in a struct made by default; a row of
-/// numbers may state another after the unit. A member may be a number, a switch (bool, 0 or 1) or
-/// an enumeration in the order of the row's words.
+/// A parameter's initial value is that of the member in a default-constructed struct; a row of
+/// numbers may state another one after the unit. A member may be a number, a switch (bool, 0 or 1)
+/// or an enumeration in the order of the row's words.
 namespace tactus {
 namespace rows {
 
-/// Class and type of a member, of data or function.
+/// Class and type of a data member or a member function.
 template <auto member> struct MemberOf;
 template <class Class, class Type, Type Class::*member> struct MemberOf<member> {
   using Owner = Class;
@@ -47,8 +47,8 @@ template <class Value> constexpr Value value_of(double number) noexcept {
     return static_cast<Value>(static_cast<int>(number));
 }
 
-/// What makes rows of a way to get and set a number. Access has Object, get(object),
-/// set(object, number) and, where it is known, initial().
+/// Makes rows from an Access, which gets and sets one number of an object. Access has Object,
+/// get(object), set(object, number) and, where it is constant, initial().
 template <class Access> struct Maker {
   static constexpr Parameter row(std::string_view name, std::string_view unit, double initial,
                                  double lowest, double highest, std::string_view text) {
@@ -65,7 +65,7 @@ template <class Access> struct Maker {
     made.choices = choices;
     return made;
   }
-  /// One of these numbers, which ascend.
+  /// One of these numbers, in ascending order.
   static constexpr Parameter row(std::string_view name, std::span<const double> values,
                                  std::string_view text) {
     Parameter made = row(name, "", values.front(), values.back(), text);
@@ -77,14 +77,14 @@ template <class Access> struct Maker {
                                  double initial = Access::initial()) {
     return row(name, "", initial, 0, 1, text);
   }
-  /// The parameter `seed`; the text says of what.
+  /// The parameter `seed`; the text names what it seeds.
   template <Literal text> static constexpr Parameter seed() {
     return with_access(seed_parameter<text>());
   }
 
-  /// The same, and the object's function is called when it has changed.
+  /// The same; after a change of the value it also calls this function of the object.
   template <auto function> static constexpr auto then() { return Maker<Then<function>>(); }
-  /// The same, of a member in seconds (rad, m, ...) that the user sets in thousandths.
+  /// The same for a member in seconds (rad, m, ...) that the user sets in thousandths.
   static constexpr auto milli() { return Maker<Milli>(); }
 
 private:
@@ -127,7 +127,7 @@ template <auto first, auto... rest> struct MemberAccess {
     auto& member = of(object);
     member = value_of<std::remove_reference_t<decltype(member)>>(number);
   }
-  /// In the innermost struct, made by default.
+  /// The value in the innermost struct, default-constructed.
   static constexpr double initial() {
     if constexpr (sizeof...(rest) == 0)
       return static_cast<double>(Object{}.*first);
@@ -136,7 +136,8 @@ template <auto first, auto... rest> struct MemberAccess {
   }
 };
 
-/// A member of a struct that the object gives, and takes as a whole when the number has changed.
+/// A member of a struct. The object returns the struct by a getter, and a setter is given the whole
+/// struct when the number has changed.
 template <auto getter, auto setter, auto... path> struct FieldAccess {
   using Object = typename MemberOf<setter>::Owner;
   using Member = MemberAccess<path...>;
@@ -151,7 +152,7 @@ template <auto getter, auto setter, auto... path> struct FieldAccess {
   static constexpr double initial() { return Member::initial(); }
 };
 
-/// A number by two functions; with a path, of a member of the object.
+/// A number with a getter and a setter; with a path, those of a member of the object.
 template <auto getter, auto setter, auto... path> struct PropertyAccess;
 template <auto getter, auto setter> struct PropertyAccess<getter, setter> {
   using Object = typename MemberOf<setter>::Owner;
@@ -208,8 +209,8 @@ inline constexpr rows::Maker<rows::FieldAccess<getter, setter, path...>> field{}
 template <auto getter, auto setter, auto... path>
 inline constexpr rows::Maker<rows::PropertyAccess<getter, setter, path...>> property{};
 
-/// The rows of a struct as those of an object that gives the struct, and takes it as a whole when a
-/// number has changed.
+/// The rows of a struct as rows of an object that returns the struct by a getter, and whose setter
+/// is given the whole struct when a number has changed.
 template <auto getter, auto setter, const auto& table>
 [[nodiscard]] constexpr auto rows_of_field() {
   using Object = typename rows::MemberOf<setter>::Owner;
@@ -248,9 +249,9 @@ template <class Row, std::size_t one, std::size_t other>
   return all;
 }
 
-/// The message, carried out by a function of the object; with more than one pointer, of that
-/// member. It takes the row, the arguments and the host; the last two; the first argument and the
-/// host; the host; or nothing.
+/// Makes the message call a function of the object or, with more than one pointer, of that member.
+/// The function takes (row, arguments, host), (arguments, host), (host), (first argument, host) or
+/// nothing.
 template <auto first, auto... rest> [[nodiscard]] constexpr Message action(Message message) {
   using Object = typename rows::MemberOf<first>::Owner;
   message.run = [](void* object, const Message& row, std::span<const Atom> arguments, Host& host) {

@@ -7,7 +7,7 @@
 
 namespace tactus {
 
-/// A sentence put together without allocating, for errors of realtime messages. What does not fit
+/// A sentence built without allocating, for errors of realtime messages. Text beyond its capacity
 /// is cut off.
 class Sentence {
 public:

@@ -70,7 +70,7 @@ template <class Number>
 /// printf into a string.
 [[gnu::format(printf, 1, 2)]] [[nodiscard]] std::string format(const char* pattern, ...);
 
-/// Whether a text is `name`, which is in lower case, but for the case of its letters.
+/// Whether a text equals `name`, which is in lower case, regardless of the text's case.
 [[nodiscard]] bool is_word(std::string_view text, std::string_view name) noexcept;
 
 /// The words of a line, one after the other.
@@ -89,7 +89,7 @@ public:
     line_.remove_prefix(end);
     return word;
   }
-  /// What is left of the line, blanks around it removed.
+  /// The rest of the line, without blanks around it.
   std::string_view rest() noexcept {
     skip_blanks();
     while (!line_.empty() && separates(line_.back()))

@@ -23,7 +23,7 @@ private:
 };
 
 struct Opened {
-  Found found; ///< its state says that it is open
+  Found found; ///< its state is "open"
   std::string address;
 };
 

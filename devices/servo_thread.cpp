@@ -33,7 +33,7 @@ double ServoThread::now_s() noexcept {
 
 struct ServoThread::Run {
   haptic::Servo& servo;
-  haptic::Backend* driver; ///< that calls follow; null: our own thread steps
+  haptic::Backend* driver; ///< that steps the servo; null: this object's thread does
   std::shared_ptr<void> owner;
   std::atomic<double> period_s;
   std::atomic<bool> stopping{false}, released{true};
@@ -105,7 +105,8 @@ void ServoThread::step_from_driver(void* run) noexcept {
   self.servo.step_from_driver(clock, self.period_s.load(std::memory_order_relaxed));
 }
 
-/// In a thread of its own, since the driver may not return from it. The driver writes the zero.
+/// Runs in a separate thread, since the driver may not return from it. The driver writes zero
+/// force.
 void ServoThread::halt_driver() noexcept {
   if (halting_)
     return;
@@ -118,7 +119,7 @@ void ServoThread::halt_driver() noexcept {
         run->end();
       }).detach();
       return;
-    } catch (const std::system_error&) { // then here, however long it takes
+    } catch (const std::system_error&) { // no thread: halt in this one, however long it takes
     }
   }
   run_->driver->halt();
@@ -140,7 +141,7 @@ bool ServoThread::stop(double timeout_s) noexcept {
       return false;
   }
   if (thread_.joinable())
-    thread_.join(); // it has only to return
+    thread_.join(); // its function has ended
   released_ = run_->released.load();
   run_.reset();
   return true;

@@ -12,8 +12,8 @@ namespace tactus::devices {
 /// Steps a servo on the machine's monotonic clock: in a thread of its own, or in the thread of a
 /// device's own driver. One thread uses this object at a time.
 ///
-/// A call into a driver may hang. `owner` then keeps the servo, the device and their data alive for
-/// as long as that thread uses them, and stop() returns after its timeout.
+/// A call into a driver may hang. `owner` then keeps the servo, the device and their data alive
+/// while that thread uses them, and stop() returns after its timeout.
 class ServoThread {
 public:
   ServoThread() = default;

@@ -24,7 +24,7 @@ public:
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// After load() without success: whether a file of one of the names was there.
   [[nodiscard]] bool found() const noexcept { return found_; }
-  /// The names as an error text lists them, with commas between.
+  /// The names separated by commas, for error texts.
   [[nodiscard]] static std::string joined(std::span<const char* const> names);
   /// The name that loaded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -39,7 +39,7 @@ public:
 
 private:
   friend class LibraryFunction;
-  /// One library, or null after a reason; missing: there is no such file.
+  /// Returns a library, or null with the reason in `error`; missing: there is no such file.
   /// shared_library_posix.cpp, shared_library_windows.cpp.
   [[nodiscard]] static void* open(const char* name, std::string& error, bool& missing);
   [[nodiscard]] void* address(const char* symbol_name) const noexcept;

@@ -14,7 +14,7 @@
 namespace tactus::devices {
 namespace {
 
-/// Where the loader looks for a bare name; empty where the system does not tell.
+/// The loader's search path for a bare name; empty if the system does not report it.
 std::vector<std::string> search_folders() {
   std::vector<std::string> folders;
 #ifdef __GLIBC__
@@ -32,7 +32,7 @@ std::vector<std::string> search_folders() {
   return folders;
 }
 
-/// The file that a name means; empty without one.
+/// The file that a name resolves to; empty if there is none.
 std::string file_of(const std::string& name) {
   if (name.find('/') != std::string::npos)
     return access(name.c_str(), F_OK) == 0 ? name : std::string();

@@ -12,9 +12,9 @@
 namespace tactus::devices {
 namespace {
 
-/// Where a library is looked for by its name: beside the module, in the folders of the program and
-/// of the system, and in PATH, where vendors' installers add theirs. Not in the current folder,
-/// which Windows alone would also take: no code is run from a patch's folder.
+/// The search path for a library's name: beside the module, the folders of the program and of the
+/// system, and PATH, to which vendors' installers add theirs. The current folder, which Windows
+/// would also search, is left out: no code is run from a patch's folder.
 std::vector<std::filesystem::path> candidates(const std::filesystem::path& name) {
   std::vector<std::filesystem::path> found;
   if (name.is_absolute())
@@ -35,7 +35,7 @@ void* SharedLibrary::open(const char* name, std::string& error, bool& missing) {
     std::error_code failed;
     if (path.is_absolute() && !std::filesystem::exists(path, failed))
       continue;
-    // What a library itself needs is looked for beside it, too.
+    // The library's own dependencies are also searched for beside it.
     const DWORD how = LOAD_LIBRARY_SEARCH_DEFAULT_DIRS |
                       (path.is_absolute() ? LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR : DWORD{0});
     if (HMODULE library = LoadLibraryExW(path.c_str(), nullptr, how)) // never closed

@@ -8,21 +8,21 @@
 
 namespace tactus {
 
-/// A program that runs as a child: bytes to its stdin and from its stdout, none of which blocks;
-/// what it says on stderr is kept for an error. The destructor kills and reaps it. It sees the end
-/// of its stdin when this process ends, however that happens. Not safe for use by two threads at
-/// once. child_process_posix.cpp, child_process_windows.cpp.
+/// A program that runs as a child process. Sending to its stdin and receiving from its stdout do
+/// not block; its output on stderr is stored for error texts. The destructor kills the child and
+/// reaps it. The child sees the end of its stdin when this process ends, for whatever reason. Not
+/// safe for use by two threads at once. child_process_posix.cpp, child_process_windows.cpp.
 class ChildProcess {
 public:
-  /// Runs a program: words[0] is its path. Null after a reason.
+  /// Starts a program: words[0] is its path. On failure returns null and sets `refusal`.
   [[nodiscard]] static std::unique_ptr<ChildProcess> start(const std::vector<std::string>& words,
                                                            std::string& refusal);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Sends what the pipe takes now; how many bytes. Raises no SIGPIPE: nothing is sent to a child
-  /// that has closed its stdin, which receive() tells.
+  /// Sends as many bytes as the pipe takes now and returns their number. Raises no SIGPIPE: nothing
+  /// is sent to a child that has closed its stdin; receive() reports that.
   [[nodiscard]] std::size_t send(std::span<const std::byte> bytes);
   /// Appends up to `limit` bytes that wait. False at the end of the child's stdout.
   [[nodiscard]] bool receive(std::vector<std::byte>& into, std::size_t limit);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxStderrBytes = 4096;
 
-/// Closes what it holds.
+/// Owns a file descriptor and closes it.
 class Descriptor {
 public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -33,7 +33,7 @@ public:
       ::close(number_);
     number_ = number;
   }
-  /// Above stdin, stdout and stderr, which the child's are made of.
+  /// Moves the descriptor above 0, 1 and 2: the child's stdin, stdout and stderr get these numbers.
   [[nodiscard]] bool move_above_stderr() {
     if (number_ > STDERR_FILENO)
       return true;
@@ -48,8 +48,8 @@ private:
   int number_;
 };
 
-/// What the child begins with: its three streams, no other file of this process, and default
-/// signals.
+/// The state with which the child starts: its three streams, no other open file of this process,
+/// and default signal handling.
 struct Surroundings {
   posix_spawn_file_actions_t files{};
   posix_spawnattr_t attributes{};
@@ -110,7 +110,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
     refusal = std::string(what) + ": " + std::strerror(error);
     return nullptr;
   };
-  // A socket pair for stdin and stdout: send() on it can be told to raise no SIGPIPE.
+  // A socket pair serves stdin and stdout: send() with MSG_NOSIGNAL raises no SIGPIPE on it.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     return failed("no pipe to a program", errno);
@@ -174,7 +174,7 @@ void ChildProcess::wait(double seconds) {
 
 void ChildProcess::Process::read_errors() {
   std::array<char, 1024> piece{};
-  for (int i = 0; i < 64; ++i) { // bounded: it may write without end
+  for (int i = 0; i < 64; ++i) { // bounded: the child may never stop writing
     const ssize_t count = ::read(errors, piece.data(), piece.size());
     if (count <= 0)
       return;
@@ -184,7 +184,7 @@ void ChildProcess::Process::read_errors() {
   }
 }
 
-/// True once it has ended: a process that somebody else has reaped is gone too.
+/// True once the child has ended, also if another part of the process has reaped it.
 bool ChildProcess::Process::has_ended(int options) {
   pid_t found = 0;
   do

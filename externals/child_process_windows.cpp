@@ -21,7 +21,7 @@ std::string sentence(DWORD error) {
   return std::system_category().message(static_cast<int>(error));
 }
 
-/// Closes what it holds.
+/// Owns a handle and closes it.
 class Handle {
 public:
   explicit Handle(HANDLE handle = nullptr) : handle_(handle) {}
@@ -42,8 +42,8 @@ private:
   HANDLE handle_;
 };
 
-/// Our end of a pipe, with one transfer under way in the background: the buffer is the system's
-/// until it has ended.
+/// This process's end of a pipe, with at most one overlapped transfer. Windows uses the buffer
+/// until that transfer has ended.
 class PipeEnd {
 public:
   PipeEnd() = default;
@@ -70,7 +70,7 @@ public:
                               &inherited, OPEN_EXISTING, 0, nullptr));
   }
 
-  /// Ends a transfer that is under way, then closes.
+  /// Ends a pending transfer, then closes the pipe.
   void close() {
     if (pipe_ && under_way_) {
       DWORD count = 0;
@@ -81,7 +81,7 @@ public:
     pipe_.reset();
   }
 
-  /// How many bytes it takes; none while the last ones are on their way.
+  /// Returns how many bytes were accepted; none while the last transfer is pending.
   std::size_t write(std::span<const std::byte> bytes) {
     DWORD count = 0;
     if (bytes.empty() || !pipe_ || !finished(count))
@@ -95,7 +95,7 @@ public:
     return under_way_ ? size : 0;
   }
 
-  /// Hands over what has come, up to the limit; false at the end.
+  /// Passes the bytes that have arrived to `take`, up to the limit; false at the end.
   template <class Take> bool read(std::size_t limit, Take take) {
     while (limit > 0) {
       DWORD count = 0;
@@ -135,7 +135,7 @@ private:
     transfer_.hEvent = event_.get();
     ResetEvent(event_.get());
   }
-  /// True when none is under way; `count`: the bytes of one that has just ended.
+  /// True when no transfer is pending; `count`: the bytes of a transfer that has just ended.
   bool finished(DWORD& count) {
     count = 0;
     if (!under_way_)
@@ -157,7 +157,7 @@ private:
   bool under_way_ = false, failed_ = false;
 };
 
-/// One word of a command line, as Windows programs take them apart (CommandLineToArgvW).
+/// Appends one argument to a command line, quoted as CommandLineToArgvW expects it.
 void append_quoted(std::wstring& line, const std::wstring& word) {
   line += line.empty() ? L"\"" : L" \"";
   std::size_t backslashes = 0;
@@ -203,7 +203,7 @@ struct ChildProcess::Process {
   DWORD status = 0;
 
   void read_errors() {
-    errors.read(1 << 16, [this](std::span<const std::byte> piece) { // bounded: it may write on
+    errors.read(1 << 16, [this](std::span<const std::byte> piece) { // the child may never stop
       stderr_tail.append(reinterpret_cast<const char*>(piece.data()), piece.size());
     });
     if (stderr_tail.size() > kMaxStderrBytes)

@@ -1,4 +1,5 @@
-"""Tables in numpy.savez's format, written with nothing but Python's own library, the same bytes each time."""
+"""Tables in numpy.savez's format, written with Python's standard library only; equal inputs give equal
+bytes."""
 import json
 import struct
 import zipfile

@@ -32,12 +32,12 @@ void restart_with_faster_blas_kernels(char** words) noexcept {
   if (std::getenv(kVariable))
     return;
   const std::string_view faster = faster_blas_kernels(openblas_get_corename(), widest());
-  // By its path: started as /proc/self/exe, the process would be called "exe".
+  // Uses the program's real path: started as /proc/self/exe, the process would be named "exe".
   std::array<char, PATH_MAX> path{};
   if (faster.empty() || ::readlink("/proc/self/exe", path.data(), path.size() - 1) < 0 ||
       ::setenv(kVariable, faster.data(), 1) != 0)
     return;
-  ::execv(path.data(), words); // returns only when it fails: then with the kernels at hand
+  ::execv(path.data(), words); // returns only on failure; the current kernels then stay
 }
 
 } // namespace tactus::fem

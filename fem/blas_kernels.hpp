@@ -12,8 +12,9 @@ namespace tactus::fem {
 [[nodiscard]] std::string_view faster_blas_kernels(std::string_view in_use,
                                                    simd::VectorSet widest) noexcept;
 
-/// Restarts this program with the faster kernels where there are some: OpenBLAS chooses before
-/// main(). Not when the user has set OPENBLAS_CORETYPE. Called first in main(), with its words.
+/// Restarts this program with faster kernels if there are any, since OpenBLAS selects its kernels
+/// before main(). Does nothing if the user has set OPENBLAS_CORETYPE. Call first in main(), with
+/// its arguments.
 void restart_with_faster_blas_kernels(char** words) noexcept;
 
 } // namespace tactus::fem

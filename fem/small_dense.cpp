@@ -34,7 +34,7 @@ bool solve_regular(std::vector<double> a, std::span<double> right, std::size_t s
 std::vector<double> solve_of_any_rank(std::vector<double> a, std::span<const double> right) {
   std::vector<double> x(right.begin(), right.end());
   const int n = static_cast<int>(x.size()), one = 1;
-  // What rounding leaves of a column that depends on the others.
+  // Relative size of a linearly dependent column after rounding.
   const double condition = static_cast<double>(n) * std::numeric_limits<double>::epsilon();
   std::vector<int> pivots(x.size(), 0);
   int rank = 0, info = 0, work_size = 67 * (n + 1);
@@ -47,7 +47,7 @@ std::vector<double> solve_of_any_rank(std::vector<double> a, std::span<const dou
 Eigenpairs3 symmetric_eigenpairs(const std::array<Vec3, 3>& rows) noexcept {
   std::array<Vec3, 3> a = rows, axis{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const auto at = [&](int i, int j) -> double& { return a[static_cast<std::size_t>(i)][j]; };
-  for (int sweep = 0; sweep < 30; ++sweep) { // six are enough; a matrix that is no number ends too
+  for (int sweep = 0; sweep < 30; ++sweep) { // six are enough; bounded, so that NaN ends too
     const double off = std::abs(at(0, 1)) + std::abs(at(0, 2)) + std::abs(at(1, 2));
     const double size = std::abs(at(0, 0)) + std::abs(at(1, 1)) + std::abs(at(2, 2));
     if (!(off > 1e-17 * size))

@@ -16,12 +16,12 @@ namespace tactus::fem {
                                            std::size_t size);
 /// A x = b, any regular A (LU). False where it is singular.
 [[nodiscard]] bool solve_regular(std::vector<double> a, std::span<double> right, std::size_t size);
-/// The shortest of the x that come nearest to A x = b, A square of any rank (complete orthogonal
+/// The least-squares solution of minimum norm of A x = b, A square of any rank (complete orthogonal
 /// decomposition). One column.
 [[nodiscard]] std::vector<double> solve_of_any_rank(std::vector<double> a,
                                                     std::span<const double> right);
 
-/// Of a symmetric 3 x 3 matrix, by Jacobi's rotations.
+/// Eigenpairs of a symmetric 3 x 3 matrix, by Jacobi's rotations.
 struct Eigenpairs3 {
   std::array<double, 3> values; ///< ascending
   std::array<Vec3, 3> vectors;  ///< orthonormal

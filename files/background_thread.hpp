@@ -19,7 +19,7 @@
 
 namespace tactus {
 
-/// What a thread in the background and its owner share; it lasts as long as either.
+/// Data shared by a background thread and its owner; exists as long as either.
 struct BackgroundState {
   std::mutex mutex;
   std::condition_variable changed;
@@ -36,8 +36,8 @@ struct BackgroundState {
 };
 
 /// A thread of normal priority that computes for an object of a host, whatever the priority of the
-/// thread that starts it. Its owner never waits for it: a thread whose owner has gone ends by
-/// itself after the piece in progress, and at the end of the program it has a second for that.
+/// thread that starts it. Its owner never waits for it: without its owner the thread ends after the
+/// piece in progress. At the end of the program it has one second for that.
 class BackgroundThread {
 public:
   BackgroundThread() = default;
@@ -67,7 +67,8 @@ public:
     if (!thread_.joinable())
       return;
     {
-      const std::lock_guard lock(state_->mutex); // or the thread could look before and wait after
+      const std::lock_guard lock(state_->mutex); // otherwise the thread could test `stop` before
+                                                 // and wait after this
       state_->stop = true;
       state_->ready = nullptr;
     }

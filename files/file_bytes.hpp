@@ -10,8 +10,8 @@
 
 namespace tactus::files {
 
-/// Opens a regular file for reading. Of anything else the stream has failed: a FIFO or a device
-/// would be waited for, perhaps for ever.
+/// Opens a regular file for reading. For anything else the stream is in the failed state: reading a
+/// FIFO or a device could block for ever.
 [[nodiscard]] std::ifstream open_file(std::string_view path);
 
 /// Reads a whole regular file. Returns a sentence when that fails, else an empty one.

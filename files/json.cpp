@@ -54,8 +54,8 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Takes what the parser finds. The parser keeps no stack of calls, and asks before every value
-/// whether to go on: a text of a million brackets ends at kMaxDepth.
+/// Receives the parser's events. The parser does not recurse and asks before every value whether to
+/// continue: a text of a million brackets ends at kMaxDepth.
 class Builder final : public nlohmann::json_sax<Parser> {
 public:
   explicit Builder(Json& root) : root_(root) {}
@@ -116,7 +116,7 @@ private:
   }
 
   Json& root_;
-  // A value is added to the innermost one alone, so that these stay where they are.
+  // A value is appended to the innermost container only, so the addresses of the others stay valid.
   std::vector<Json*> open_;
 };
 

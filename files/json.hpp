@@ -6,7 +6,7 @@
 
 namespace tactus::files {
 
-/// A value of a JSON text (RFC 8259), for the tables' description of themselves.
+/// A value of a JSON text (RFC 8259), for the descriptions in tables.
 struct Json {
   enum class Kind { kNull, kBoolean, kNumber, kText, kList, kObject };
   Kind kind = Kind::kNull;
@@ -24,8 +24,8 @@ struct Json {
 };
 
 /// Reads a whole text by nlohmann's parser; false when it is not JSON, or deeper than 32 levels.
-/// Texts are shown in sentences of one line: their control characters become blanks. Bytes that are
-/// no UTF-8 (a file's name on an old system) are kept as they are.
+/// Texts appear in sentences of one line, so their control characters become blanks. Bytes that are
+/// not UTF-8 (a file's name on an old system) are kept unchanged.
 [[nodiscard]] bool read_json(std::string_view text, Json& value);
 
 /// A text as a JSON string with its quotation marks. Bytes that are no UTF-8 are kept, as

@@ -18,7 +18,7 @@ std::string ascii_of_utf16(std::string_view bytes, bool big_endian) {
   return text;
 }
 
-/// The format of a text: that of its first line with a keyword of either.
+/// The format of a text: that of the first line whose keyword belongs to either format.
 MeshFormat format_of(std::string_view text) {
   MeshFormat format = MeshFormat::kObj;
   for_each_line(text, [&](std::size_t, std::string_view line) {

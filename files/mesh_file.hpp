@@ -22,7 +22,7 @@ struct PolygonMesh {
   std::vector<std::uint32_t> group;  ///< of each polygon, in `groups`; empty: all are of the first
   std::vector<std::string> groups;   ///< names of solids or objects; may be empty
   /// Names the line and the word of the first free-form curve or surface of an OBJ file, which is
-  /// left out; empty when there is none.
+  /// ignored; empty when there is none.
   std::string free_form;
   /// One sentence to follow the file's name, which names the line or the triangle; empty when all
   /// is well.
@@ -44,17 +44,17 @@ struct PolygonMesh {
 
 enum class MeshFormat { kByContent, kStl, kObj };
 
-/// What a reader accepts.
+/// Limits that a reader enforces.
 struct MeshLimits {
   std::size_t max_triangles = std::numeric_limits<std::int32_t>::max() / 3;
   std::size_t max_face_corners = std::numeric_limits<std::int32_t>::max();
 };
 
-/// Polygons from the bytes of a file. STL: text if it begins with "solid" and names a facet and its
+/// Polygons from the bytes of a file. STL is text if it begins with "solid", names a facet, and its
 /// length does not fit its binary count, since binary files may begin with "solid" too. OBJ: `v`
-/// and `f` with indices from the beginning or the end; `o`, or without objects `g`, begin groups;
-/// lines and points are passed over. Words that are of neither format are refused. Text may be
-/// UTF-8 or UTF-16 with a byte order mark.
+/// and `f` with indices from the beginning or the end; `o`, or without objects `g`, begins a group;
+/// lines and points are ignored. Words of neither format are refused. Text may be UTF-8 or UTF-16
+/// with a byte order mark.
 [[nodiscard]] PolygonMesh read_mesh(std::string_view bytes,
                                     MeshFormat format = MeshFormat::kByContent,
                                     const MeshLimits& limits = {});

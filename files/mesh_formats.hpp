@@ -3,7 +3,7 @@
 #include "core/text.hpp"
 #include "files/mesh_file.hpp"
 
-/// The parts of read_mesh(): one reader a format, and what they share.
+/// The parts of read_mesh(): one reader per format, and their common functions.
 namespace tactus::files {
 
 /// Points are numbered by 32-bit integers, signed ones in some programs.
@@ -17,9 +17,9 @@ void read_obj(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh
 
 /// "line 7: ".
 [[nodiscard]] std::string line_text(std::size_t line);
-/// Appends the next three words as a point; else says so in `mesh.error` and returns false.
+/// Appends the next three words as a point; on an error sets `mesh.error` and returns false.
 [[nodiscard]] bool add_point(Words& words, std::size_t line, PolygonMesh& mesh);
-/// Whether a number of triangles is accepted; else says so in `mesh.error`.
+/// Whether a number of triangles is accepted; if not, sets `mesh.error`.
 [[nodiscard]] bool accepts(std::size_t triangles, const MeshLimits& limits, PolygonMesh& mesh);
 
 } // namespace tactus::files

@@ -232,7 +232,7 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
     arrays.refuse("mp_rref must be above 0 m");
 }
 
-/// The waves at the frequencies that all modes share; before `table.multipoles` has anything else.
+/// Reads the waves at the frequencies common to all modes.
 void read_band(TableArrays& arrays, ModalTable& table) {
   if (!arrays.has("mp_band_coef"))
     return;

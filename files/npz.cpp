@@ -40,7 +40,7 @@ struct Member {
   std::span<const std::byte> bytes{};
 };
 
-/// Finds a member's bytes; empty, else what is wrong.
+/// Finds a member's bytes. Returns the error, or an empty string.
 std::string locate(std::span<const std::byte> file, Member& member) {
   const std::string named = "member '" + member.name + "' ";
   if (member.method == 8)
@@ -62,8 +62,8 @@ std::string locate(std::span<const std::byte> file, Member& member) {
   return {};
 }
 
-/// Members that share bytes would let a small file be read a thousand times over, and fill as much
-/// memory. Empty, else what is wrong.
+/// Refuses members that share bytes: a small file could otherwise be read a thousand times over,
+/// and fill as much memory. Returns the error, or an empty string.
 std::string overlap(std::span<const std::byte> file, std::vector<Member>& members) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.local < b.local; });
@@ -74,7 +74,7 @@ std::string overlap(std::span<const std::byte> file, std::vector<Member>& member
   return {};
 }
 
-/// Reads the directory's entry at `at`, which moves behind it; empty, else what is wrong.
+/// Reads the directory's entry at `at` and advances `at`. Returns the error, or an empty string.
 std::string read_entry(std::span<const std::byte> file, std::size_t end, std::size_t& at,
                        Member& member) {
   if (at > end || end - at < kCentralEntry || number_at(file, at, 4) != 0x02014b50)
@@ -101,7 +101,7 @@ std::string read_entry(std::span<const std::byte> file, std::size_t end, std::si
   return {};
 }
 
-/// Reads a .npy member's header and finds its numbers; empty, else what is wrong.
+/// Reads a .npy member's header and finds its numbers. Returns the error, or an empty string.
 std::string read_array(std::span<const std::byte> bytes, const std::string& name, NpzArray& array) {
   array.name = name.substr(0, name.size() - 4);
   std::size_t header = 0;
@@ -200,7 +200,8 @@ template <class T> std::vector<T> copy_values(const NpzArray& array) {
 } // namespace
 
 std::uint32_t crc32(std::span<const std::byte> bytes) noexcept {
-  // Eight bytes at a time (Kounavis & Berry 2008): table k holds what a byte leaves after k more.
+  // Eight bytes at a time (Kounavis & Berry 2008): table k holds the remainder of a byte followed
+  // by k zero bytes.
   constexpr std::size_t kAtOnce = 8;
   static constexpr auto kTables = [] {
     std::array<std::array<std::uint32_t, 256>, kAtOnce> tables{};

@@ -34,10 +34,10 @@ struct NpzArray {
 
 class NpzFile {
 public:
-  /// Looks at a whole file in memory, which must outlive this object. Returns a sentence when it is
-  /// not a sound archive, else an empty one. Everything is checked before anything is allocated for
+  /// Opens a whole file in memory, which must outlive this object. Returns a sentence when it is
+  /// not a valid archive, else an empty one. Everything is checked before memory is allocated for
   /// it: sizes against the file, checksums, names, types and shapes. Members that are not .npy are
-  /// left aside.
+  /// ignored.
   [[nodiscard]] std::string open(std::span<const std::byte> file);
   [[nodiscard]] const NpzArray* find(std::string_view name) const noexcept;
   [[nodiscard]] const std::vector<NpzArray>& arrays() const noexcept { return arrays_; }

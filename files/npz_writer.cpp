@@ -69,12 +69,12 @@ std::string NpzWriter::emit(const Sink& sink) const {
   for (const Member& m : members_) {
     if (at + m.bytes.size() > 0xFFFFFF00ULL)
       return "the table is larger than 4 GB: take fewer modes or a coarser mesh";
-    std::string common; // what local and central headers share
+    std::string common; // the fields common to local and central headers
     put(common, 20, 2); // version needed
     put(common, 0, 2);
     put(common, 0, 2);    // stored
     put(common, 0, 2);    // time
-    put(common, 0x21, 2); // 1 January 1980: equal tables are equal files
+    put(common, 0x21, 2); // 1 January 1980, so that equal tables give equal files
     put(common, crc32(m.bytes), 4);
     put(common, m.bytes.size(), 4);
     put(common, m.bytes.size(), 4);

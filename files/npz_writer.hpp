@@ -26,10 +26,10 @@ public:
   /// Little-endian elements in C order, `kind` as NumPy's descr: "<f8".
   void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
                  const std::vector<std::size_t>& shape);
-  /// Takes the next bytes of the file.
+  /// Receives the next bytes of the file.
   using Sink = std::function<void(const void*, std::size_t)>;
-  /// Hands all arrays to `sink`; the same arrays give the same bytes. Returns one sentence when
-  /// they do not fit an archive (4 GB), else nothing.
+  /// Writes all arrays to `sink`; the same arrays give the same bytes. Returns one sentence when
+  /// they do not fit an archive (4 GB), else an empty one.
   [[nodiscard]] std::string emit(const Sink& sink) const;
 
 private:

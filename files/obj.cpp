@@ -9,7 +9,7 @@ namespace {
 constexpr std::array<std::string_view, 16> kFreeForm{
     "curv", "curv2", "surf", "bmat", "cstype", "deg", "step",  "parm",
     "trim", "hole",  "scrv", "sp",   "end",    "con", "stech", "ctech"};
-/// What else the format has, which does not shape a solid.
+/// Other keywords of the format, which do not contribute to the shape of a solid.
 constexpr std::array<std::string_view, 17> kPassedOver{
     "",       "vt",    "vn",       "vp",       "g",   "s",          "usemtl",    "mtllib", "usemap",
     "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "mg"};
@@ -45,7 +45,7 @@ class ObjReader {
 public:
   ObjReader(const MeshLimits& limits, PolygonMesh& mesh) : limits_(limits), mesh_(mesh) {}
 
-  /// One line; false when it is wrong.
+  /// Reads one line; false on an error.
   bool line(std::size_t number, Words words) {
     const std::string_view kind = words.next();
     if (kind == "v")
@@ -120,7 +120,7 @@ private:
   const MeshLimits& limits_;
   PolygonMesh& mesh_;
   bool objects_ = false;
-  std::string unknown_; ///< names the first line that is no keyword
+  std::string unknown_; ///< error text for the first line without a keyword
   std::size_t lines_ = 0, single_points_ = 0, triangles_ = 0;
 };
 

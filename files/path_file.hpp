@@ -15,7 +15,7 @@ struct ParsedPath {
   std::string error;
 };
 
-/// Of a file of a path: two million rows, the most that are read, are shorter.
+/// Size limit of a path file: more than the two million rows that are read at most.
 inline constexpr std::uint64_t kMaxPathBytes = std::uint64_t{1} << 28;
 
 /// The path of a simulated hand, as rows `ms x y z [buttonmask]` in order of time, positions in mm,

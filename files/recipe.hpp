@@ -8,9 +8,9 @@
 namespace tactus::files {
 
 /// Reads a ground's recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`,
-/// `[grains]`, `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then
-/// `key value` in the units of docs/formats/surface.md; `#` begins a comment. Returns an empty
-/// text, or one sentence that names line, key, value and what was expected; `recipe` is then
+/// `[grains]`, `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then `key
+/// value` in the units of docs/formats/surface.md; `#` begins a comment. Returns an empty text, or
+/// one sentence that names the line, the key, the value and the expected value; `recipe` is then
 /// unchanged.
 [[nodiscard]] std::string read_recipe(std::string_view text, footstep::Recipe& recipe);
 

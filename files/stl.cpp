@@ -91,12 +91,12 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
 
 namespace {
 
-/// The keywords of a text, one a line. What stands before the first one is a comment.
+/// Reads the keywords of a text, one per line. Text before the first keyword is a comment.
 class StlTextReader {
 public:
   StlTextReader(const MeshLimits& limits, PolygonMesh& mesh) : limits_(limits), mesh_(mesh) {}
 
-  /// One line; false when it is wrong.
+  /// Reads one line; false on an error.
   bool line(std::size_t number, Words words) {
     std::string word = lower(words.next());
     if (word == "end") // some programs write "end facet"
@@ -127,7 +127,7 @@ private:
   }
   bool only_normal(std::size_t number, Words& words) {
     begun_ = true;
-    for (int word = 0; word < 4; ++word) // "normal" and its numbers, which the corners tell too
+    for (int word = 0; word < 4; ++word) // "normal" and its numbers, which follow from the corners
       words.next();
     return ends(number, words);
   }

@@ -10,15 +10,15 @@ namespace tactus {
 
 /// The folder of the module that this code is part of; empty if unknown.
 [[nodiscard]] std::filesystem::path own_folder();
-/// The folders of PATH, in order. Without entries that mean the current folder, or on Windows are
-/// relative: nothing is run from a patch's folder.
+/// The folders of PATH, in order, without entries that mean the current folder (on Windows without
+/// relative ones), so that no program is run from a patch's folder.
 [[nodiscard]] std::vector<std::filesystem::path> folders_in_path();
 
-/// The path of a program: beside the module that this code is part of, else in PATH; or the `given`
-/// program instead, a path if it has a slash (on Windows, a backslash too). Empty if there is none
-/// that can be run.
+/// The path of a program: beside the module that contains this code, else in PATH. `given`, if not
+/// empty, replaces the program; it is a path if it contains a slash (on Windows also a backslash).
+/// Empty if no such program can be run.
 [[nodiscard]] std::string find_program(const char* name, const std::string& given);
-/// True for text that names a file and not a program to be looked for.
+/// True if the text is a path, not a program name to be searched for.
 [[nodiscard]] bool is_program_path(const std::string& text);
 /// The file that this path runs; empty if it cannot be run. Windows adds `.exe`.
 [[nodiscard]] std::filesystem::path runnable(const std::filesystem::path& path);

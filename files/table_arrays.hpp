@@ -10,8 +10,8 @@
 
 namespace tactus::files {
 
-/// Takes arrays out of an archive by name, type and shape; the first thing that is wrong is kept as
-/// a sentence and everything after it is skipped.
+/// Takes arrays out of an archive by name, type and shape. The first error is kept as a sentence;
+/// all later calls do nothing.
 class TableArrays {
 public:
   explicit TableArrays(const NpzFile& file) : file_(file) {}
@@ -28,8 +28,8 @@ public:
                               bool required);
   std::vector<float> floats(std::string_view name, std::initializer_list<std::size_t> shape,
                             bool required);
-  /// What the table says of itself: array `meta`, bytes of a JSON object that names `format`, of
-  /// version 1 or 1.x. `format` is words joined by hyphens: "modal-table".
+  /// The table's description: array `meta`, bytes of a JSON object that names `format`, of version
+  /// 1 or 1.x. `format` is words joined by hyphens: "modal-table".
   Json description(std::string_view format);
   void refuse(std::string sentence) {
     if (refusal_.empty())
@@ -48,8 +48,7 @@ private:
 };
 
 /// Reads `control_points` f8 [C,3] m, `parameters` f8 [P,4] (control point, axis, lowest and
-/// highest displacement in m) and `trust` f8 [] m, all required. What is wrong is refused in
-/// `arrays`.
+/// highest displacement in m) and `trust` f8 [] m, all required. Errors are stored in `arrays`.
 void read_shape_parameters(TableArrays& arrays, const NpzFile& file,
                            design::ShapeParameters& shape);
 

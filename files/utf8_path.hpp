@@ -7,9 +7,9 @@
 
 namespace tactus {
 
-/// The path that a host's text names: hosts give UTF-8, which Windows would otherwise read in the
-/// code page of its user. Elsewhere the bytes as they are. Empty, which names no file, for text
-/// that is not UTF-8 on Windows.
+/// The path that a host's text names. Hosts give UTF-8, which Windows would otherwise read in the
+/// user's code page. On other systems the bytes are used unchanged. On Windows a text that is not
+/// UTF-8 gives an empty path, which names no file.
 [[nodiscard]] inline std::filesystem::path utf8_path(std::string_view text) {
 #ifdef _WIN32
   try {

@@ -17,40 +17,40 @@
 
 namespace tactus {
 
-/// When the next piece of a job is due, besides a time on its clock.
+/// Times at which the next piece of a job is due, besides times on its clock.
 inline constexpr double kDueNow = -std::numeric_limits<double>::infinity();
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// One piece of a job, as the job sees it.
+/// One piece of a job, as its work() receives it.
 template <class Answer> class Turn {
 public:
-  /// Whether the request has not been worked on before.
+  /// Whether this is the first piece of its request.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
   [[nodiscard]] double now_s() const noexcept { return now_s_; }
-  /// Whether a newer request waits, or nobody any more: for a job that waits for something. What
-  /// has been computed is handed over all the same.
-  [[nodiscard]] bool given_up() const noexcept { return state_.stop || state_.overtaken; }
-  /// Takes the place of an answer that has not been taken.
+  /// True if a newer request waits or the owner has gone: a job that waits for something then stops
+  /// waiting. Its results so far are handed over in any case.
+  [[nodiscard]] bool is_superseded() const noexcept { return state_.stop || state_.superseded; }
+  /// Replaces an answer that has not been taken yet.
   void hand_over(Answer answer) {
     std::optional<Answer> fresh(std::move(answer));
     const std::lock_guard lock(state_.mutex);
     fresh.swap(state_.answer); // the old one, perhaps large, is freed after the lock
-    state_.has_news = true;
+    state_.has_output = true;
   }
-  /// A sentence for the user; every one is taken.
+  /// Passes a sentence to the user; none is dropped.
   void say(std::string sentence) {
     const std::lock_guard lock(state_.mutex);
     state_.sentences.push_back(std::move(sentence));
-    state_.has_news = true;
+    state_.has_output = true;
   }
 
 private:
   template <class> friend class Worker;
   struct State : BackgroundState {
-    std::atomic<bool> overtaken{false};
+    std::atomic<bool> superseded{false};
     std::optional<Answer> answer;
     std::vector<std::string> sentences;
-    bool has_news = false;
+    bool has_output = false;
   };
   Turn(State& state, bool is_new, double now_s) : state_(state), is_new_(is_new), now_s_(now_s) {}
   State& state_;
@@ -58,18 +58,19 @@ private:
   double now_s_;
 };
 
-/// Works on what an object requests: in a thread of normal priority or, by the same calls, in the
-/// object's own, in a render and where the system starts no thread.
+/// Computes answers to an object's requests in a thread of normal priority. In a render, or if the
+/// system starts no thread, the object's own thread computes them by the same calls.
 ///
-/// A request is a whole state ("this body on this board with these settings"), never a change of
-/// one, so that a newer one can take the place of one that waits. An answer to an older one is
-/// handed over all the same: however often requests come, answers do.
+/// A request is a complete state ("this body on this board with these settings"), never a change of
+/// one, so that a newer request can replace a waiting one. Answers to older requests are handed
+/// over as well: answers arrive however frequent the requests are.
 ///
-/// A Job says what its Request and its Answer are, and kOutOfMemory, the sentence for that.
+/// A Job defines the types Request and Answer, and kOutOfMemory, the sentence for lack of memory.
 ///   double work(const Request&, Turn<Answer>&)
-/// does a piece of what the request asks, and returns when the next one is due, on the turn's
-/// clock. Newer requests are seen between pieces. What work() uses it holds: its last piece may end
-/// after the owner. Nothing here waits for a piece in the thread, but finish().
+/// computes a piece of a request and returns the time, on the turn's clock, at which the next piece
+/// is due. Newer requests are noticed between pieces. The job must own all that work() uses,
+/// because its last piece may end after the owner. No function but finish() waits for a piece in
+/// the thread.
 template <class Job> class Worker {
 public:
   using Request = typename Job::Request;
@@ -79,13 +80,13 @@ public:
   explicit Worker(Arguments&&... of_the_job)
       : state_(std::make_shared<State>(std::forward<Arguments>(of_the_job)...)) {}
 
-  /// `ready` is called in the thread when there is something to take, until this object ends.
+  /// `ready` is called in the thread when there is something to take, until the end of this object.
   void on_ready(std::function<void()> ready) {
     const std::lock_guard lock(state_->mutex);
     state_->ready = std::move(ready);
   }
-  /// Has the thread work on it. Returns empty, or why the system starts none: then as
-  /// request_here().
+  /// Starts work in the thread. Returns an empty string, or the reason why the system starts no
+  /// thread; the request is then treated as by request_here().
   [[nodiscard]] std::string request(const Request& request) {
     put(request, false);
     if (thread_.running()) {
@@ -97,23 +98,24 @@ public:
       state_->in_caller = true;
     return reason;
   }
-  /// The owner works on it, by step() or finish().
+  /// The owner computes the request by step() or finish().
   void request_here(const Request& request) { put(request, true); }
   [[nodiscard]] bool is_here() const noexcept { return state_->in_caller; }
-  /// Does the piece that is due in this thread, if there is one.
+  /// Computes the piece that is due in the calling thread, if there is one.
   void step(double now_s) {
     std::unique_lock lock(state_->mutex);
     if (state_->in_caller && !state_->busy && state_->due_s <= now_s)
       state_->work_on(lock, now_s);
   }
-  /// All pieces that are due in this thread at once, after the one that the thread may be at.
+  /// Computes all pieces that are due at once in the calling thread, after a piece that the thread
+  /// may be computing.
   void finish() {
     std::unique_lock lock(state_->mutex);
     state_->changed.wait(lock, [&] { return !state_->busy; });
     while (state_->in_caller && state_->due_s == kDueNow)
       state_->work_on(lock, 0);
   }
-  /// Time until step() has something to do.
+  /// Time until the next step() that computes a piece.
   [[nodiscard]] double due_in_s(double now_s) const {
     const std::lock_guard lock(state_->mutex);
     return state_->in_caller ? std::max(0.0, state_->due_s - now_s) : kNever;
@@ -124,11 +126,11 @@ public:
   struct Taken {
     std::optional<Answer> answer; ///< the newest, once
     std::vector<std::string> sentences;
-    std::uint64_t finished = 0; ///< the newest request for which nothing more is to be done at once
+    std::uint64_t finished = 0; ///< the newest request that needs no more pieces at once
   };
   [[nodiscard]] Taken take() {
     const std::lock_guard lock(state_->mutex);
-    state_->has_news = false;
+    state_->has_output = false;
     return {std::exchange(state_->answer, {}), std::exchange(state_->sentences, {}),
             state_->finished};
   }
@@ -144,7 +146,7 @@ private:
         const double wait_s = in_caller || busy ? kNever : due_s - now_s();
         if (wait_s <= 0) {
           work_on(lock, now_s());
-          if (std::exchange(this->has_news, false) && this->ready)
+          if (std::exchange(this->has_output, false) && this->ready)
             this->ready();
         } else if (wait_s == kNever) {
           this->changed.wait(lock);
@@ -153,14 +155,14 @@ private:
         }
       }
     }
-    /// One piece, without the lock.
+    /// Computes one piece without holding the lock.
     void work_on(std::unique_lock<std::mutex>& lock, double now_s) {
       busy = true;
       const bool is_new = std::exchange(has_waiting, false);
       if (is_new) {
-        std::swap(waiting, current); // not moved: a request that comes often allocates nothing
+        std::swap(waiting, current); // swapped, so that frequent requests allocate nothing
         at_work = requested;
-        this->overtaken = false;
+        this->superseded = false;
       }
       lock.unlock();
       double next_s = kNever;
@@ -176,7 +178,7 @@ private:
         due_s = next_s;
       if (next_s > now_s) {
         finished = at_work;
-        this->has_news = true;
+        this->has_output = true;
       }
       this->changed.notify_all(); // for finish()
     }
@@ -187,8 +189,8 @@ private:
     static constexpr double kLong_s = 3600;
 
     Job job;
-    Request current{}; ///< of the job alone, as the job itself
-    // Guarded by the lock, but for the owner's reading of in_caller.
+    Request current{}; ///< used by the job only, as `job` itself
+    // Guarded by the lock, except that the owner reads in_caller without it.
     Request waiting{};
     std::uint64_t requested = 0, at_work = 0, finished = 0;
     double due_s = kNever;
@@ -199,7 +201,7 @@ private:
     const std::lock_guard lock(state_->mutex);
     state_->waiting = request;
     state_->requested = ++requested_;
-    state_->has_waiting = state_->overtaken = true;
+    state_->has_waiting = state_->superseded = true;
     state_->due_s = kDueNow;
     state_->in_caller = in_caller;
   }

@@ -11,7 +11,7 @@ namespace tactus::net {
 /// in FUDI, where the slash inside a name is a blank.
 enum class Address : std::uint8_t {
   kUnknown,
-  // of a client
+  // Sent by a client:
   kHello,     ///< i protocol, s name, s role [, s token]
   kWorkspace, ///< 6 f: min x y z, max x y z, mm
   kCpBegin,   ///< i number of control points
@@ -28,7 +28,7 @@ enum class Address : std::uint8_t {
   kSubscribe, ///< s stream, f Hz
   kPing,      ///< i sequence [, i ms of the server's newest pos, vel or pong]
   kUdp,       ///< i 0|1; as a datagram: i key, i sequence of the newest that came, or -1
-  // of the server
+  // Sent by the server:
   kWelcome,  ///< i protocol, s device, s model, i dof, f force limit, f rate
   kPosition, ///< i sequence, i ms, 3 f, mm [, i key, of a datagram]
   kVelocity, ///< i sequence, i ms, 3 f, m/s [, i key, of a datagram]

@@ -5,15 +5,15 @@
 
 #include <string>
 
-/// Who may come in: what both protocols ask of a connection before its hello is answered, and what
-/// is told of one that has not come in.
+/// Access control of both protocols: the checks of a connection before its hello is answered, and
+/// how connections that were not admitted are reported.
 namespace tactus::net {
 
 /// Our sentence for a code by which a connection is refused; empty for any other code.
 [[nodiscard]] std::string_view refusal_text(std::string_view code) noexcept;
 
-/// What a peer that has not been admitted says in an `error` or `bye`, for a window: our sentence
-/// for a code of the protocol, never its own words.
+/// The text to show for an `error` or `bye` from a peer that has not been admitted: the local
+/// sentence for the protocol's code, never the peer's own text.
 [[nodiscard]] std::string_view refusal_text_of_peer(std::string_view code) noexcept;
 
 /// The clients of one server or link, by the token that they bring and their number.
@@ -21,7 +21,7 @@ class Admission {
 public:
   explicit Admission(std::string token = {}) : token_(std::move(token)) {}
 
-  /// Lets a client in and returns "", or the code of the refusal.
+  /// Admits a client and returns "", or returns the code of the refusal.
   [[nodiscard]] std::string_view admit(std::string_view peer, std::string_view token, int protocol,
                                        double now_s);
   void leave() noexcept { --clients_; }
@@ -34,10 +34,10 @@ private:
   std::size_t clients_ = 0;
 };
 
-/// The place of a new connection among `sessions`, pointers to PeerConnections: a free one, or that
-/// of a pending connection, which the new one takes over. Of the address with most pending
-/// connections, the new one included, the one that came first gives way, so that an address cannot
-/// keep another out, nor connections that hold on and say nothing keep out one that says hello.
+/// The index for a new connection among `sessions`, pointers to PeerConnections: a free one, or
+/// that of a pending connection, which the new one replaces. Among the connections of the address
+/// with most pending ones, the new one included, the oldest is replaced. So an address cannot keep
+/// others out, and connections that stay silent cannot keep out one that sends hello.
 template <class Sessions>
 [[nodiscard]] std::size_t slot_for(const Sessions& sessions, std::string_view peer) {
   static_assert(std::tuple_size_v<Sessions> == kMaxConnections);

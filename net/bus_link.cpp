@@ -48,7 +48,7 @@ protected:
   bool pause(double seconds) {
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
     while (!stop_ && Clock::now() < until) {
-      node_.advance(now_s()); // messages of this time have no receiver
+      node_.advance(now_s()); // discards messages, as there is no receiver
       std::this_thread::sleep_for(kLinkPollInterval);
     }
     return !stop_;
@@ -115,7 +115,7 @@ void BusLink::listen(int port, const std::string& address) {
   start(std::make_shared<Listener>(settings(), port, address));
 }
 
-// One piece: the class of the worker's thread, which nothing else uses, and its start.
+// One function, since nothing else uses the class of the worker's thread.
 void BusLink::connect(const std::string& host, int port) {
   class Caller final : public Worker {
   public:
@@ -212,7 +212,7 @@ bool BusLink::send(const Message& topic, double logical_s) noexcept {
 double BusLink::poll(double logical_s, const Receiver& receiver) {
   observe(logical_s);
   double next_s = logical_s + kPoll_s;
-  const std::shared_ptr<Worker> worker = worker_; // what is let out may end or exchange the link
+  const std::shared_ptr<Worker> worker = worker_; // the receiver may close or replace the link
   if (!worker)
     return next_s;
   const bool at_once = worker->exchange.playout_s == 0;

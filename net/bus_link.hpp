@@ -6,17 +6,18 @@
 
 namespace tactus::net {
 
-/// A bus of modules mirrored over TCP, for a patch: its thread gives and takes messages, and never
-/// waits; a thread of its own serves the sockets. Times of the patch are its logical time, s.
+/// A bus of modules mirrored over TCP, for a patch. The patch's thread sends and receives messages
+/// without waiting; a separate thread serves the sockets. Times of the patch are its logical time,
+/// s.
 class BusLink {
 public:
   struct Delivered {
     const Message& topic; ///< its fields; a time among them counts from sent_s
-    double sent_s;        ///< logical time of this patch at which it was sent there
+    double sent_s;        ///< time of sending, converted to this patch's logical time
     bool late;            ///< by more than kTolerance_s behind its playout time
   };
   using Receiver = std::function<void(const Delivered&)>;
-  /// poll() is called this often.
+  /// Longest interval between calls of poll().
   static constexpr double kPoll_s = 1e-3, kTolerance_s = 1.5e-3;
 
   BusLink() = default;
@@ -38,9 +39,10 @@ public:
   /// s, up to PlayoutDelay::kMax_s; nothing: automatic.
   void set_playout(std::optional<double> delay_s) noexcept;
 
-  /// A topic to all peers, from now_s by the patch. False: it is longer than what is sent.
+  /// Sends a topic to all peers; now_s: logical time of the patch. False if the topic is longer
+  /// than a packet allows.
   [[nodiscard]] bool send(const Message& topic, double now_s) noexcept;
-  /// Lets out what is due. Returns the logical time of the next look.
+  /// Delivers the messages that are due. Returns the logical time of the next call.
   double poll(double now_s, const Receiver& receiver);
   /// What happened since the last call.
   [[nodiscard]] std::vector<BusExchange::Notice> take_notices();

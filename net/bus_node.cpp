@@ -41,7 +41,7 @@ void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, doub
       topic.add(message[i]);
     std::array<std::uint8_t, kMaxSent> packet;
     const std::size_t size = encode_osc(topic, packet);
-    // Before the message can be seen, since it may have raised the delay.
+    // Set before the message becomes visible, since the message may have raised the delay.
     incoming.delay_s = session.playout().value(now_s);
     const std::size_t reserve = bus_topic(message.name()).is_event ? 0 : BusExchange::kReserve;
     return size > 0 && incoming.ring.push(sent_s, {packet.data(), size}, late, reserve);
@@ -49,7 +49,7 @@ void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, doub
   watch(client, now_s);
 }
 
-/// Tells what has changed since the last look.
+/// Posts notices of changes since the last call.
 void BusNode::watch(ClientId client, double now_s) {
   BusSession& session = *sessions_[client];
   if (std::string complaint = session.take_warning(); !complaint.empty())

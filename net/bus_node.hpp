@@ -26,22 +26,22 @@ public:
     std::atomic<double> delay_s{0}; ///< playout, after its time
     std::atomic<double> transit_s{0}; ///< half the shortest round trip
   };
-  /// What happened, for the info outlet: a word, then what belongs to it.
+  /// An event for the info outlet: a word, then its data.
   struct Notice {
     enum class What { kListening, kConnected, kLate, kBack, kEnded, kWarning, kFailed };
     What what;
     std::string text{};
-    int number = 0; ///< of kListening: port; of kConnected and kEnded: peers that are connected
+    int number = 0; ///< kListening: port; kConnected, kEnded: number of connected peers
   };
 
   PacketRing outgoing{kOutgoing};
   std::array<Incoming, kMaxConnections> incoming{};
-  std::atomic<int> ready{0};           ///< peers to whom messages go
+  std::atomic<int> ready{0};           ///< peers that receive messages
   std::atomic<double> playout_s{-1};   ///< fixed delay; below 0: automatic
   std::atomic<bool> overflowed{false}; ///< an event did not fit: the connections end
 
   void post(Notice notices);
-  /// False when the lock is held just now: ask again later.
+  /// False if the lock is taken: call again later.
   [[nodiscard]] bool try_take(std::vector<Notice>& notices);
 
 private:
@@ -66,7 +66,7 @@ public:
   }
   [[nodiscard]] bool guarded() const noexcept override { return admission_.guarded(); }
 
-  /// Once a millisecond: sends what the patch has given, and what depends on time alone.
+  /// Call once a millisecond: sends the patch's messages, and those that depend on time alone.
   void advance(double now_s);
 
   [[nodiscard]] bool connected(ClientId client) const noexcept {

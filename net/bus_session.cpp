@@ -192,7 +192,7 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   const BusTopic topic = bus_topic(message.name());
   if (topic.has_time && !message.number_at(kTopicHead))
     return {"arguments", "the first field of this topic is its time, ms after the message's"};
-  // 0 is from a sender that does not count.
+  // 0: the sender does not number its events.
   if (*sequence != 0 && topic.is_event)
     count_event(message, now_s);
   const auto stamp = static_cast<std::uint32_t>(*clock_us);
@@ -225,7 +225,8 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
   if (!ready())
     return;
   const bool event = bus_topic(topic.name()).is_event;
-  // What the other side would drop is not sent; events count, and go.
+  // A stream sample that the other side would drop is not sent; events count towards the rate and
+  // are always sent.
   if (!sending_.allow(now_s) && !event) {
     ++dropped_;
     return;

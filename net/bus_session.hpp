@@ -13,7 +13,7 @@ namespace tactus::net {
 /// Settings of one end of a bus link.
 struct BusSettings {
   std::string name = "tactus";
-  std::string token{}; ///< the caller presents it, the listener requires it; empty: none is needed
+  std::string token{}; ///< sent by the caller, required by the listener; empty: no token
 };
 
 /// One connection between two buses of modules (docs/formats/haptic_protocol.md, "Buses"). The
@@ -22,8 +22,8 @@ struct BusSettings {
 class BusSession : public PeerConnection {
 public:
   enum class Side { kListener, kCaller };
-  /// Receives a topic's fields, without its head. sent_s: when it was sent, by this side's clock.
-  /// late: it came after its playout time. Returns false when it has no room for it.
+  /// Receives a topic's fields, without its head. sent_s: time of sending on this side's clock.
+  /// late: it arrived after its playout time. Returns false if there is no room for it.
   using Receiver = std::function<bool(const Message& message, double sent_s, bool late)>;
 
   /// Bytes of streams that are queued at most: 0.75 s of 1000 positions a second, so that a
@@ -46,7 +46,7 @@ public:
 
   /// Both sides have been admitted and know each other's clock: messages can be exchanged.
   [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
-  /// Nothing has come for 500 ms.
+  /// Nothing has been received for 500 ms.
   [[nodiscard]] bool late(double now_s) const noexcept {
     return now_s - last_message_s >= kSilence_s;
   }
@@ -86,7 +86,7 @@ private:
   RateLimit sending_{kTopics_hz};
   double pinged_s_ = -1e18;
   bool ready_ = false;
-  std::int32_t pings_ = 0, clocks_ = 0; ///< sent; clocks of the other side that were taken
+  std::int32_t pings_ = 0, clocks_ = 0; ///< pings sent; clock readings of the other side accepted
   std::uint32_t events_sent_ = 0, events_taken_ = 0;
   std::uint64_t lost_events_ = 0, dropped_ = 0;
   std::string reason_{}, warning_{};

@@ -18,7 +18,7 @@ struct BusTopic {
 /// 1 to 32 letters, digits, `_` and `-`.
 [[nodiscard]] bool is_topic_name(std::string_view name) noexcept;
 
-/// Before the fields of a topic stand its sequence number and its time.
+/// A topic's message begins with its sequence number and its time.
 inline constexpr std::size_t kTopicHead = 2;
 inline constexpr std::size_t kMaxTopicFields = Message::kMaxArguments - kTopicHead;
 

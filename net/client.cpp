@@ -214,7 +214,7 @@ void Client::take(const Message& message, double now_s) {
     if (message.integer_at(0) == ping_)
       round_trip_s_ = std::min(round_trip_s_.value_or(1e9), now_s - pinged_s_);
     return;
-  default: // what a newer server says
+  default: // messages of newer servers are ignored
     return;
   }
 }
@@ -268,11 +268,11 @@ void Client::take_status(const Message& message) {
 void Client::take_error(const Message& message) {
   const std::string_view code = message.string_at(0).value_or("");
   if (settings_.udp && code == "unknown" && message.string_at(1) == "udp") {
-    udp_refused_ = true; // a server that does not know datagrams
+    udp_refused_ = true; // the server does not support datagrams
     return;
   }
   if (code == "stopped" && !in_control_)
-    return; // to a force that was under way when control was lost, which had its reason
+    return; // answers a force sent before control was lost; the loss has been reported
   trouble_ = "the server says: " + (welcomed_ ? printable(message.string_at(1).value_or(code))
                                               : std::string(refusal_text_of_peer(code)));
   if (code == "busy" || code == "estop" || code == "role")

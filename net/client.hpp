@@ -42,21 +42,22 @@ struct ClientSettings {
 /// the motors are off until start() is called again: an earlier start() does not carry over.
 class Client {
 public:
-  static constexpr double kWelcome_s = 2; ///< to wait for it
-  static constexpr double kSilence_s = 2; ///< of the server, then the connection is given up
+  static constexpr double kWelcome_s = 2; ///< timeout of the welcome
+  static constexpr double kSilence_s = 2; ///< silence of the server after which the connection ends
 
   explicit Client(ClientSettings settings = {}) : settings_(std::move(settings)) {}
 
   /// Begins a connection: queues hello and the setup.
   void connect(double now_s);
   void disconnect() noexcept;
-  /// False when the connection is to be ended; trouble() says why.
+  /// False if the connection must end; trouble() then has the reason.
   [[nodiscard]] bool receive(std::span<const std::uint8_t> bytes, double now_s);
-  /// A datagram from the server's address; what is no position with our key is counted and ignored.
+  /// Reads a datagram from the server's address. A datagram that is no position with this client's
+  /// key is counted and ignored.
   void receive_datagram(std::span<const std::uint8_t> bytes, double now_s);
-  /// The port of the server that datagrams() are to go to; 0: none.
+  /// The client's side of the datagrams; its port() is the server's, 0: none.
   [[nodiscard]] DatagramReceiver& datagrams() noexcept { return datagrams_; }
-  /// True if the server sends no datagrams: positions come over TCP.
+  /// True if the server refused datagrams: positions then arrive over TCP.
   [[nodiscard]] bool udp_refused() const noexcept { return udp_refused_; }
   /// Once a millisecond or so: pings. False as receive().
   [[nodiscard]] bool advance(double now_s);
@@ -74,12 +75,14 @@ public:
   [[nodiscard]] bool in_control() const noexcept { return in_control_; }
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
   [[nodiscard]] const Vec3& position() const noexcept { return position_; } ///< m
-  [[nodiscard]] double position_s() const noexcept { return position_s_; }  ///< of its arrival
+  [[nodiscard]] double position_s() const noexcept {
+    return position_s_;
+  } ///< arrival time of the position
   /// The velocity that the server's servo has estimated, m/s. Differences of positions received
   /// over a network would contain its jitter: two positions in one tick, none in the next.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
-  /// Counts the times that the server refused or ended our control.
+  /// Counts how often the server refused or ended this client's control.
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
   /// The shortest measured, s; nothing before the first pong.
   [[nodiscard]] std::optional<double> round_trip_s() const noexcept { return round_trip_s_; }

@@ -4,7 +4,7 @@
 
 namespace tactus::net {
 
-/// Time of the clock by which silence of clients and ages of samples are measured, s.
+/// The clock used for clients' silence and samples' ages, s.
 [[nodiscard]] inline double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 } // namespace tactus::net

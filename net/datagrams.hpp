@@ -12,16 +12,16 @@
 /// trip or more; a lost datagram costs one sample. Nothing that moves a motor travels so.
 namespace tactus::net {
 
-/// A client says over UDP this often which sample came last.
+/// Interval at which a client confirms over UDP the newest sample received.
 inline constexpr double kProbeInterval_s = 0.05;
 /// Without news of samples that arrived for this long, TCP carries them again: half of the silence
 /// after which a remote device counts as failed; the other half is for the samples over TCP.
 inline constexpr double kDatagramSilence_s = 0.25;
 /// A client that sent no probe for this long is sent no datagrams.
 inline constexpr double kProbeTimeout_s = 5;
-/// A datagram of the protocol is at most this long; longer ones are ignored unread.
+/// Longest datagram of the protocol, bytes; longer ones are ignored unread.
 inline constexpr std::size_t kMaxDatagram = 128;
-/// Read per millisecond at most; what a flood brings beyond is left to the kernel to drop.
+/// Datagrams read per millisecond; beyond that the kernel drops them.
 inline constexpr int kMaxDatagramsPerTick = 32;
 
 /// Sequence numbers run from 0 to 2^31 - 1 and begin again: b counts as older than a when a is
@@ -32,7 +32,7 @@ inline constexpr int kMaxDatagramsPerTick = 32;
   return ahead != 0 && ahead < 0x40000000u;
 }
 
-/// A key that nobody can guess, 1 to 2^31 - 1. Asks the system; not for the servo.
+/// A random key, 1 to 2^31 - 1, that cannot be guessed. Makes a system call; not for the servo.
 [[nodiscard]] std::int32_t make_datagram_key();
 
 /// One packet to be sent.
@@ -53,7 +53,7 @@ public:
   /// A probe of this client (`udp key sequence`). It confirms when it names a sample that was sent
   /// by datagram and is newer than those confirmed before.
   void take_probe(std::int32_t sequence, double now_s) noexcept;
-  /// Probes come, so there is an address to send to.
+  /// True while probes arrive, so that there is an address to send to.
   [[nodiscard]] bool reachable(double now_s) const noexcept {
     return key_ != 0 && now_s - probed_s_ < kProbeTimeout_s;
   }
@@ -62,18 +62,18 @@ public:
     return key_ != 0 && now_s - confirmed_s_ < kDatagramSilence_s;
   }
 
-  /// A message whose first argument is its sequence number, to be sent with the key behind it. What
-  /// has not been fetched by then is replaced, oldest first.
+  /// Queues a message whose first argument is its sequence number; the key is appended. If the
+  /// queue is full, the oldest message is replaced.
   void add(Message message) noexcept;
   /// The next to be sent; nothing when all are.
   [[nodiscard]] std::optional<Datagram> take() noexcept;
 
 private:
-  static constexpr std::size_t kMaxQueued = 4; ///< pos and vel of a tick, and of a late one
+  static constexpr std::size_t kMaxQueued = 4; ///< pos and vel of two ticks
 
   std::int32_t key_ = 0;
-  std::int32_t newest_ = -1;    ///< that was added
-  std::int32_t confirmed_ = -1; ///< that came
+  std::int32_t newest_ = -1;    ///< newest sample added
+  std::int32_t confirmed_ = -1; ///< newest sample confirmed
   double probed_s_ = -1e9, confirmed_s_ = -1e9;
   std::array<Datagram, kMaxQueued> waiting_{};
   std::size_t begin_ = 0, count_ = 0;
@@ -82,7 +82,7 @@ private:
 /// The client's side.
 class DatagramReceiver {
 public:
-  /// The server has given a key and says at which of its ports.
+  /// The server's answer: its key and the UDP port to which probes go.
   void open(std::int32_t key, int port) noexcept;
   void close() noexcept { *this = {}; }
   [[nodiscard]] int port() const noexcept { return port_; } ///< 0: closed

@@ -60,7 +60,7 @@ FrameReader::Outcome FrameReader::decode_packet(Message& message) noexcept {
   return reason == kOtherType ? Outcome::kRefused : Outcome::kBad;
 }
 
-/// The next message of the packet that came last.
+/// The next message of the packet received last.
 bool FrameReader::take_element(Message& message) noexcept {
   auto rest = std::span<const std::uint8_t>(packet_).first(elements_end_).subspan(elements_begin_);
   const auto element = next_message(rest);
@@ -68,7 +68,7 @@ bool FrameReader::take_element(Message& message) noexcept {
   return !element.empty() && decode_osc(element, message).empty();
 }
 
-/// RFC 1055; an END that ends nothing separates.
+/// RFC 1055; an END without a packet before it is a separator.
 FrameReader::Outcome FrameReader::take_slip(std::uint8_t byte, Message& message) noexcept {
   if (byte == kEnd) {
     const bool complete = size_ > 0 && !discarding_ && !escaping_;

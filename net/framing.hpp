@@ -17,7 +17,7 @@ enum class Framing : std::uint8_t {
   kFudi,   ///< another printable byte: text, messages ended by a semicolon
 };
 
-/// An OSC packet or a message of text may have this many bytes.
+/// Longest OSC packet or text message, bytes.
 inline constexpr std::size_t kMaxPacket = 65536;
 
 /// Cuts a stream of bytes into messages. Allocates nothing; costs a bounded time a byte.
@@ -26,9 +26,9 @@ public:
   enum class Outcome {
     kNeedMore, ///< the input is used up
     kMessage,
-    kRefused, ///< a good packet that asks for what is not taken here: reason()
-    kBad,     ///< a packet that is dropped; reason() says why; the next one is read as usual
-    kBroken,  ///< the stream has no frames any more: reason(); nothing else will come
+    kRefused, ///< a valid packet that is not supported here: reason()
+    kBad,     ///< a dropped packet: reason(); the next one is read as usual
+    kBroken,  ///< the framing is lost: reason(); nothing more is read
   };
 
   /// Consumes input up to the end of the next frame. The message's strings are valid until the next
@@ -55,16 +55,16 @@ private:
   std::optional<Framing> framing_{};
   std::array<std::uint8_t, kMaxPacket> packet_{};
   std::size_t size_ = 0;
-  std::size_t elements_begin_ = 0, elements_end_ = 0; ///< what is left of a bundle, in packet_
+  std::size_t elements_begin_ = 0, elements_end_ = 0; ///< the rest of a bundle in packet_
   bool in_frame_ = false, discarding_ = false, escaping_ = false, broken_ = false;
   bool may_be_text_ = false; ///< kSlip whose first packet had neither an END nor a zero yet
   std::uint32_t length_ = 0; ///< of the packet, kLength
-  int length_bytes_ = 0;     ///< that have come
+  int length_bytes_ = 0;     ///< length bytes received so far
   std::uint32_t discarded_ = 0;
   std::string_view reason_{};
 };
 
-/// A frame of the longest message the protocol sends fits.
+/// Longest frame that this side sends, bytes; every message of the protocol fits.
 inline constexpr std::size_t kMaxSent = 2048;
 
 /// Writes a message with its framing; returns the bytes written, 0 when they do not fit or the

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-/// What the objects of a patch that use the network share in their messages.
+/// Functions shared by the patch objects that use the network.
 namespace tactus::net {
 
 /// A word, or a number's shortest text.

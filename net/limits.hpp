@@ -36,10 +36,10 @@ inline constexpr double kTimeout_s = 5;
 inline constexpr double kHello_s = 2;
 /// A frame that has not been completed for this long ends its connection.
 inline constexpr double kFrameTimeout_s = 2;
-/// How far a sequence number may go back and be merely old.
+/// A sequence number that goes back by at most this much is old; a larger step back is an error.
 inline constexpr int kSequenceWindow = 1000;
-/// The last number of a count, after which it begins again: where integers are exact, and for a
-/// peer that may be Pd, whose text has six digits.
+/// The last value of a counter before it restarts: for peers with exact integers, and for a peer
+/// that may be Pd, whose text has six digits.
 inline constexpr std::int32_t kLongCount = 0x7fffffff, kShortCount = 0x7ffff;
 
 /// Limits events to a number per second, of which all may come at once (a token bucket).
@@ -73,9 +73,9 @@ private:
   std::size_t next_ = 0;
 };
 
-/// When the controlling client was last heard in time. After a silence a single burst does not
-/// count, since a network may deliver what it held back long after its sender has gone: life is
-/// taken up again when messages have been coming for kReturn_s.
+/// When the controlling client last counted as alive. After a silence a single burst does not
+/// count, since a network may deliver delayed messages long after their sender has ended: the
+/// client counts as alive again once messages have arrived for kReturn_s.
 class Liveness {
 public:
   static constexpr double kReturn_s = 0.1;
@@ -95,7 +95,7 @@ public:
     if (!lost_)
       alive_s_ = now_s;
   }
-  /// The servo's heartbeat.
+  /// Sent to the servo as its heartbeat.
   [[nodiscard]] double alive_s() const noexcept { return alive_s_; }
 
 private:

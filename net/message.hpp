@@ -14,15 +14,15 @@ namespace tactus::net {
 /// One argument of a message.
 using Argument = std::variant<std::int32_t, float, std::string_view>;
 
-/// A count that came as a float of a million or more: Pd's text writes six digits, so that it may
-/// stand for the counts beside it.
+/// A counter received as a float of a million or more may be rounded: Pd's text has six digits, so
+/// the value may stand for neighbouring ones.
 [[nodiscard]] constexpr bool may_be_rounded(const Argument& count) noexcept {
   const float* const number = std::get_if<float>(&count);
   return number && (*number >= 1e6F || *number <= -1e6F);
 }
 
-/// One message of the protocol, whatever its framing. Strings are views into the bytes it was
-/// decoded from, or into what its maker keeps. Has a fixed capacity and allocates nothing.
+/// One message of the protocol, whatever its framing. Strings are views into the bytes that it was
+/// decoded from, or into data of its creator. Has a fixed capacity and allocates nothing.
 class Message {
 public:
   static constexpr std::size_t kMaxArguments = 16;
@@ -43,7 +43,7 @@ public:
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] const Argument& operator[](std::size_t i) const noexcept { return arguments_[i]; }
 
-  /// What does not fit is left out; false then.
+  /// Drops an argument that does not fit; false then.
   bool add(const Argument& argument) noexcept {
     if (size_ == kMaxArguments)
       return false;

@@ -21,8 +21,8 @@ inline constexpr std::string_view kOtherType =
 /// Checks a packet with all messages of its bundle, and of bundles within that, so that one with a
 /// bad message does nothing at all. Empty, or one sentence as of decode_osc().
 [[nodiscard]] std::string_view check_osc(std::span<const std::uint8_t> packet) noexcept;
-/// Cuts the next message off what is left of a packet that check_osc() found good; empty when there
-/// is none. Time tags are not read.
+/// Removes the next message from the rest of a packet that check_osc() accepted; empty at its end.
+/// Time tags are ignored.
 [[nodiscard]] std::span<const std::uint8_t>
 next_message(std::span<const std::uint8_t>& rest) noexcept;
 

@@ -7,9 +7,8 @@
 
 namespace tactus::net {
 
-/// Queue of the bytes to be sent to one client. Events are kept up to the capacity; samples of a
-/// stream are left out while more than the stream limit waits, since an old position is worth
-/// nothing.
+/// Queue of the bytes to be sent to one client. Events are kept up to the capacity. Stream samples
+/// are dropped while more than the stream limit is queued, since an old position is useless.
 class OutQueue {
 public:
   static constexpr std::size_t kCapacity = 1u << 20, kStreamLimit = 1u << 14;
@@ -19,14 +18,14 @@ public:
 
   /// False when it does not fit: the client does not read.
   [[nodiscard]] bool add_event(std::span<const std::uint8_t> bytes);
-  /// False when the sample was left out.
+  /// False if the sample was dropped.
   bool add_sample(std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::size_t size() const noexcept { return bytes_.size() - begin_; }
-  /// All that waits.
+  /// All queued bytes.
   [[nodiscard]] std::span<const std::uint8_t> front() const noexcept {
     return std::span(bytes_).subspan(begin_);
   }
-  /// So many bytes of front() were sent.
+  /// Removes bytes of front() that were sent.
   void consume(std::size_t count) noexcept;
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
@@ -35,7 +34,7 @@ private:
 
   std::size_t stream_limit_;
   std::vector<std::uint8_t> bytes_{};
-  std::size_t begin_ = 0; ///< of what was not sent yet
+  std::size_t begin_ = 0; ///< first byte that was not sent
   std::uint64_t dropped_ = 0;
 };
 

@@ -9,9 +9,9 @@
 
 namespace tactus::net {
 
-/// A ring buffer of packets with a time and a flag, from one writing to one reading thread. Both
-/// sides are wait-free and allocate nothing. A packet lies in one piece: behind the last that fits
-/// before the end, the next begins at the start.
+/// A ring buffer of packets, each with a time and a flag, from one writing to one reading thread.
+/// Both sides are wait-free and allocate nothing. Each packet is contiguous: one that does not fit
+/// before the end starts at the front.
 class PacketRing {
 public:
   struct Packet {
@@ -58,12 +58,12 @@ public:
     return Packet{
         head.time_s, head.late, {memory_.get() + tail % capacity_ + sizeof(Header), head.size}};
   }
-  /// Drops what front() gave.
+  /// Reader only: removes the packet that front() returned.
   void pop() noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     tail_.store(tail + size_of(get(tail).size), std::memory_order_release);
   }
-  /// Of the reader: nothing waits any more.
+  /// Reader only: discards all packets.
   void clear() noexcept {
     tail_.store(head_.load(std::memory_order_acquire), std::memory_order_release);
   }
@@ -90,7 +90,8 @@ private:
 
   std::size_t capacity_;
   std::unique_ptr<std::uint8_t[]> memory_;
-  std::atomic<std::size_t> head_{0}, tail_{0}; ///< counted on, modulo the capacity
+  std::atomic<std::size_t> head_{0},
+      tail_{0}; ///< increasing counts; positions are modulo the capacity
 };
 
 } // namespace tactus::net

@@ -20,7 +20,7 @@ std::span<const std::uint8_t> PeerConnection::encoded(const Message& message,
 void PeerConnection::send_event(const Message& message) {
   Buffer buffer;
   if (!closing && !out.add_event(encoded(message, buffer)))
-    closing = true; // it does not read, so there is nobody to tell
+    closing = true; // the peer does not read, so no error is sent
 }
 
 bool PeerConnection::send_sample(const Message& message) {

@@ -20,25 +20,25 @@ struct PeerConnection {
 
   std::string peer, name = "-";
   bool admitted = false; ///< hello was said and answered by welcome
-  bool closing = false;  ///< what waits is sent, then the connection ends
+  bool closing = false;  ///< the queue is sent, then the connection ends
 
   FrameReader reader{};
   OutQueue out;
-  double last_message_s; ///< the last good message
-  double frame_since_s;  ///< when last no frame was open
+  double last_message_s; ///< time of the last valid message
+  double frame_since_s;  ///< last time at which no frame was incomplete
   double connected_s;
   RateLimit packets{kPackets_hz}, errors{kErrors_hz};
   BadPackets bad_packets{};
-  bool flooding = false; ///< and has been sent the error
+  bool flooding = false; ///< above the rate limit; the error has been sent
 
   /// The last number of this side's counts. Pd speaks text or SLIP.
   [[nodiscard]] std::int32_t last_count() const noexcept {
     return reader.framing() == Framing::kLength ? kLongCount : kShortCount;
   }
 
-  /// Cannot be said in words before the first byte has chosen the framing.
+  /// Has no effect before the first byte has decided the framing.
   void send_event(const Message& message);
-  /// False when the sample was left out.
+  /// False if the sample was dropped.
   bool send_sample(const Message& message);
   /// At most kErrors_hz a second are sent.
   void send_error(std::string_view code, std::string_view text, double now_s);
@@ -46,7 +46,7 @@ struct PeerConnection {
   /// Tells why hello is refused, by a code of refusal_text(), and ends the connection.
   void refuse_hello(std::string_view code, double now_s);
 
-  /// The next frame of what came, and since when none is open.
+  /// Reads the next frame of the received bytes, and updates frame_since_s.
   [[nodiscard]] FrameReader::Outcome next(std::span<const std::uint8_t>& bytes, Message& message,
                                           double now_s) noexcept;
   /// Answers a packet that is dropped; the 20th within a second ends the connection.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-/// Of two clock readings modulo 2^32 us, s.
+/// Difference of two clock readings modulo 2^32 us, s.
 double difference_s(std::uint32_t a, std::uint32_t b) noexcept {
   return kMicro * static_cast<std::int32_t>(a - b);
 }

@@ -8,7 +8,7 @@
 /// unless stated otherwise.
 namespace tactus::net {
 
-/// A clock's reading in microseconds modulo 2^32 (71 minutes), as it goes over the line.
+/// A clock's reading in microseconds modulo 2^32 (71 minutes), as it is transmitted.
 [[nodiscard]] std::uint32_t stamp_of(double clock_s) noexcept;
 
 /// The smallest sample of the last seconds: what a delay is without its queueing. One minimum is
@@ -19,7 +19,7 @@ public:
   static constexpr double kWindow_s = 8;
 
   void add(double sample, double now_s) noexcept;
-  /// Nothing before the first sample. Without new ones the last stay.
+  /// Empty before the first sample. Without new samples the last minimum is kept.
   [[nodiscard]] std::optional<double> value(double now_s) const noexcept;
 
 private:
@@ -49,19 +49,20 @@ private:
   bool known_ = false;
 };
 
-/// How far the other side's clock is from this one's, by the least one-way delays both ways.
+/// The offset of the other side's clock from this one's, by the smallest one-way delays in both
+/// directions.
 ///
-/// A message stamped S by the other side that arrives at R by this side's clock gives the sample
-/// x = R - S = offset + delay. Both sides keep the minimum of their samples and tell it to each
-/// other; if the shortest delays there and back are equal (as NTP assumes, Mills 1991), offset =
-/// (x_min - x'_min)/2. An asymmetry of the shortest delays causes an error of half of it, which
-/// cannot be observed from the ends of a line. Its sign is opposite on both sides, so a time that
-/// is sent there and back is right all the same.
+/// A message stamped S by the other side that arrives at R on this side's clock gives the sample x
+/// = R - S = offset + delay. Both sides keep the minimum of their samples and send it to each
+/// other. If the shortest delays in both directions are equal (as NTP assumes, Mills 1991), offset
+/// = (x_min - x'_min)/2. An asymmetry of the shortest delays causes an error of half of it, which
+/// cannot be observed at the ends of a connection. The error has opposite signs on the two sides,
+/// so a time that is sent there and back is still correct.
 class PlayoutClock {
 public:
   /// Stamps that differ by more than this from the first would be ambiguous.
   void add(std::uint32_t stamp, double arrived_s) noexcept;
-  /// What the other side says of its minimum.
+  /// The minimum that the other side reports.
   void set_remote_minimum(std::uint32_t minimum_us, double now_s) noexcept;
 
   /// For the other side; nothing before the first sample.
@@ -71,7 +72,7 @@ public:
   /// How long that message was on its way, 0 or more; before known(), how much longer than the
   /// fastest.
   [[nodiscard]] double delay_s(std::uint32_t stamp, double arrived_s) const noexcept;
-  /// The shortest there and back, without what computers add.
+  /// The shortest round trip, without processing times of the computers.
   [[nodiscard]] double round_trip_s() const noexcept { return round_trip_s_; }
 
 private:

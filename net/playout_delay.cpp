@@ -36,7 +36,7 @@ std::optional<double> PlayoutDelay::percentile_s() const noexcept {
 void PlayoutDelay::update(double now_s) noexcept {
   if (const std::int64_t slot = slot_of(now_s); slot > last_slot_) {
     last_slot_ = slot;
-    // A line on which nothing comes keeps what was measured.
+    // Without messages the measured delay is kept.
     if (const auto percentile = percentile_s())
       target_s_ = std::min(kMax_s, *percentile + kMargin_s);
   }

@@ -14,16 +14,16 @@ namespace tactus::net {
 ///
 ///     d = w_(m) + kMargin_s,   m = 1 + floor(kPercentile (n - 1)),
 ///
-/// a percentile playout (Moon, Kurose and Towsley, Multimedia Systems 6, 1998). What a stalled
-/// computer or line has held back arrives together, in a slot or two however many messages it is,
-/// and stays above the percentile; a line that has become slower fills all slots, and counts
-/// after 1 - kPercentile of kWindow_s.
+/// a percentile playout (Moon, Kurose and Towsley, Multimedia Systems 6, 1998). Messages that a
+/// stalled computer or connection has held back arrive together, in one or two slots however many
+/// they are, and stay above the percentile. A connection that has become slower fills all slots,
+/// and takes effect after 1 - kPercentile of kWindow_s.
 ///
-/// A message that is later than the delay raises it to its own transit time at once, since those
-/// behind it are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee,
-/// Kurose, Towsley and Schulzrinne (INFOCOM 1994), which leaves a spike out of the estimate. While
-/// it falls, messages are played out closer together by that share and never out of order. The
-/// delay is kMax_s at most; a message that is later counts as late.
+/// A message that is later than the delay raises it to its own transit time at once, since the
+/// messages behind it are equally late. The delay then falls back to d at kFall_rate: the spike
+/// mode of Ramjee, Kurose, Towsley and Schulzrinne (INFOCOM 1994), which excludes a spike from the
+/// estimate. While it falls, messages are output closer together by that fraction and never out of
+/// order. The delay is at most kMax_s; a message that is later counts as late.
 class PlayoutDelay {
 public:
   static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kPercentile = 0.9;

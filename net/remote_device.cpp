@@ -22,14 +22,14 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kWelcomeTimeout_s = 4;
-constexpr double kStale_s = 0.1; ///< no force upon older positions
+constexpr double kStale_s = 0.1; ///< older positions get no force
 /// Longer than the servo takes to detect a failure.
 constexpr double kFailureHold_s = 0.1;
 /// While positions are late by less than this, as after a lost packet of TCP, the last velocity is
 /// held, so that a hit in the positions that then arrive together has its speed. Later the velocity
 /// counts as zero, because dampers would act on an old one.
 constexpr double kHeldVelocity_s = 0.05;
-constexpr double kRepeat_s = 0.1;    ///< of a force that stays
+constexpr double kRepeat_s = 0.1;    ///< repeat interval of an unchanged force
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
@@ -77,7 +77,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     return {};
   }
   if (words.size() == 2 && words[0] == "device") {
-    if (words[1] == "0") // as `devices` lists the one that is set
+    if (words[1] == "0") // the index by which `devices` lists the configured server
       return {};
     if (words[1].find_first_not_of("0123456789") == std::string::npos)
       return "net: there is no device " + words[1] + ": expected 0, HOST or HOST:PORT";
@@ -294,7 +294,7 @@ std::string RemoteDevice::run_session(Wire& wire) {
          "): it is looked for again; then switch the motors on";
 }
 
-/// The newest of both directions.
+/// Exchanges the newest states and forces with the servo.
 void RemoteDevice::exchange(Client& client, double now) {
   const Vec3 newest = forces_.read();
   const Vec3 force_n = newest * forces_.gain();

@@ -17,9 +17,10 @@ struct Wire;
 
 /// A haptic device on another computer, as a haptic::Backend: a client of the haptic protocol. The
 /// sockets have their own thread, which exchanges data with the servo through two mailboxes.
-/// Positions older than 100 ms take the force away until they come again; a lost connection, 500 ms
-/// without a position and a server that stops the motors are a failure of the device, so that the
-/// motors stay off until somebody switches them on. A lost connection is taken up again by itself.
+/// Positions older than 100 ms switch the force off until new ones arrive. A lost connection, 500
+/// ms without a position or a server that stops the motors counts as a failure of the device, so
+/// the motors stay off until the user switches them on. A lost connection is re-established
+/// automatically.
 class RemoteDevice final : public haptic::Backend {
 public:
   RemoteDevice();
@@ -41,9 +42,9 @@ private:
   /// The newest state of the device.
   struct Sample {
     haptic::State state{};
-    double time_s = -1e9; ///< of its arrival
+    double time_s = -1e9; ///< arrival time
     bool connected = false;
-    bool failed = false; ///< the server has ended our control
+    bool failed = false; ///< the server has ended this client's control
     std::uint32_t failures = 0;
   };
   struct Settings {
@@ -57,7 +58,7 @@ private:
   [[nodiscard]] std::string configure_locked(std::span<const std::string> words);
   void serve() noexcept;
   void run_connection();
-  /// Until the connection is lost; why.
+  /// Runs until the connection is lost. Returns the reason.
   [[nodiscard]] std::string run_session(Wire& wire);
   void exchange(Client& client, double now_s);
   void set_trouble(const std::string& trouble);
@@ -69,17 +70,17 @@ private:
   std::atomic<bool> stop_{false}, cancelled_{false};
 
   // The connection's thread
-  unsigned name_ = std::random_device{}() % 100000; ///< tells clients apart
+  unsigned name_ = std::random_device{}() % 100000; ///< distinguishes clients
   Sample sample_{};
   double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
   Vec3 sent_force_{};
   bool may_start_ = false; ///< no force was written since the connection, or since a refusal
   std::uint32_t refusals_ = 0, failures_ = 0;
-  std::string notice_{}; ///< what is worth telling while nothing is wrong
-  /// Of failures, how many the servo has read: one that was late must not miss any.
+  std::string notice_{}; ///< information to show while there is no failure
+  /// Number of failures that the servo has read: a late servo must not miss one.
   std::atomic<std::uint32_t> failures_seen_{0};
 
-  // The servo's
+  // Used by the servo's thread.
   Vec3 last_position_{};
   haptic::Caps caps_{};
   haptic::Identity identity_{};

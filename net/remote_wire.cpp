@@ -114,7 +114,7 @@ void Wire::read_on() {
   });
 }
 
-/// What the socket does not take now waits for the next millisecond.
+/// Bytes that the socket does not accept now are sent in the next millisecond.
 void Wire::send(OutQueue& out) {
   while (open && out.size() > 0) {
     Error error;
@@ -137,7 +137,7 @@ void Wire::exchange_datagrams(Client& client) {
     return;
   Error error;
   if (!datagrams.is_open()) {
-    // Connected: the system lets nothing in but what comes from there.
+    // The socket is connected: the system discards datagrams from other addresses.
     const udp::endpoint server(socket.remote_endpoint(error).address(),
                                static_cast<std::uint16_t>(port));
     datagrams.open(server.protocol(), error);

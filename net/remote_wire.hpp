@@ -25,13 +25,13 @@ struct Wire {
 
   /// Empty, else why not. Ends within the time, or soon after `stop`.
   [[nodiscard]] std::string connect(const std::string& host, int port, double timeout_s);
-  /// Begins to hand over what comes.
+  /// Starts to pass received bytes to the receiver.
   void receive(Receiver receiver);
   void send(OutQueue& out);
-  /// What has come by UDP, bounded; and the client's probes. Opens the socket when the server has
-  /// given a port. A failure leaves the positions to TCP.
+  /// Reads a bounded number of received datagrams, and sends the client's probes. Opens the socket
+  /// once the server has sent a port. After a failure positions come over TCP.
   void exchange_datagrams(Client& client);
-  /// Runs what is due for a millisecond at most.
+  /// Runs pending handlers for at most a millisecond.
   void run();
 
   void read_on();

@@ -27,7 +27,7 @@ struct RenderRequest {
 /// here: its forces are the servo's commands.
 class RenderModel final : public haptic::LocalModel {
 public:
-  /// For the thread of the network.
+  /// Called by the network's thread.
   void set(const RenderRequest& request) noexcept { requests_.write(request); }
 
   [[nodiscard]] Vec3 force(const haptic::Tick& tick, const haptic::State& state) noexcept override;

@@ -70,7 +70,8 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
     return;
   }
   session.flooding = false;
-  if (outcome == Outcome::kRefused) // no sign of life: an old force would go on beside the error
+  if (outcome ==
+      Outcome::kRefused) // not a sign of life: the old force would continue despite the error
     return session.send_error("bad", session.reader.reason(), now_s);
   if (outcome == Outcome::kBad)
     return session.count_bad_packet("bad", session.reader.reason(), now_s);
@@ -86,7 +87,7 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   }
 }
 
-/// What a slow line delivers may be older than its sender's life.
+/// A slow connection may deliver messages whose sender has already ended.
 bool Server::is_recent(const Session& session, double now_s) noexcept {
   return !session.echoed_s || now_s - *session.echoed_s < kMaxAge_s;
 }
@@ -120,8 +121,8 @@ void Server::broadcast(const Message& message) {
       session->send_event(message);
 }
 
-/// To every client: who observes sees less force than was asked for, too.
-void Server::tell_clipping(const Clipping& clipping) {
+/// Sent to every client: observers also see less force than was requested.
+void Server::send_clipping(const Clipping& clipping) {
   clipping_ = clipping;
   broadcast(Message(Address::kStatus)
                 .string("clipped")
@@ -132,7 +133,7 @@ void Server::tell_clipping(const Clipping& clipping) {
 
 void Server::advance(const DeviceReport& report, double now_s) {
   if (report.clipping != report_.clipping)
-    tell_clipping({report.clipping, report.asked_n, servo_command_.force_limit_n});
+    send_clipping({report.clipping, report.asked_n, servo_command_.force_limit_n});
   report_ = report;
   for (const auto& session : sessions_)
     if (session)
@@ -143,7 +144,7 @@ void Server::advance(const DeviceReport& report, double now_s) {
     release_control(report.emergency_stopped ? "estop" : "fault");
   if (controller_ && now_s - controller_->last_message_s >= kSilence_s &&
       !(servo_command_.force_n == Vec3{})) {
-    servo_command_.force_n = {}; // a client that sends again begins at zero force
+    servo_command_.force_n = {}; // a client that resumes starts from zero force
     ++servo_command_.forces;
   }
   drag();

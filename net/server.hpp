@@ -13,7 +13,7 @@
 
 namespace tactus::net {
 
-/// What a server says of its device, and the limits that no client can raise.
+/// The server's description of its device, and the limits that no client can raise.
 struct ServerSettings {
   std::string device = "simulated", model = "-";
   int axes = 3;
@@ -21,16 +21,16 @@ struct ServerSettings {
   double force_limit_n = 1;
   double stiffness_limit_n_per_m = 500, damping_limit_n_s_per_m = 5;
   haptic::Workspace workspace{}; ///< of the device, m
-  std::string token{};           ///< that hello must bring; empty: none is needed
+  std::string token{};           ///< required in hello; empty: no token
   double grab_radius_m = 0.01;
 };
 
-/// The device as the servo saw it last.
+/// The device's state as last reported by the servo.
 struct DeviceReport {
   haptic::State state{};
   bool emergency_stopped = false; ///< by somebody at the device
-  std::uint32_t faults = 0;       ///< counts those it reported, and its silences
-  bool clipping = false;          ///< of the force, by a noticeable part
+  std::uint32_t faults = 0;       ///< counts reported faults and losses of the device
+  bool clipping = false;          ///< the force limit removes a noticeable part of the force
   double asked_n = 0;             ///< the force before its limit
 };
 
@@ -45,9 +45,9 @@ struct ServoCommand {
   bool running = false; ///< a client has sent start; else the motors are off
   RenderRequest render{};
   Vec3 force_n{};           ///< of force mode
-  std::uint64_t forces = 0; ///< counts the forces that came
-  double alive_s = -1e9;    ///< when the controlling client was last heard
-  double force_limit_n = 0; ///< the server's, or less
+  std::uint64_t forces = 0; ///< counts the received forces
+  double alive_s = -1e9;    ///< when the controlling client last counted as alive
+  double force_limit_n = 0; ///< the server's limit, or a lower one set by the client
 };
 
 /// The protocol's server without sockets, threads and clocks: bytes and times go in, bytes and
@@ -68,7 +68,7 @@ public:
                                                          double now_s) override;
   void disconnect(ClientId client) override;
 
-  /// Once a servo's period: what depends on time alone, and streams.
+  /// Call once per servo period: handles timeouts and sends streams.
   void advance(const DeviceReport& report, double now_s);
   /// A button of the device.
   void set_button(int number, bool on);
@@ -83,7 +83,7 @@ public:
   }
   [[nodiscard]] bool guarded() const noexcept override { return admission_.guarded(); }
 
-  /// What waits to be sent to a client by UDP.
+  /// The datagrams that are queued for a client.
   [[nodiscard]] DatagramSender* datagrams(ClientId client) noexcept override {
     return &sessions_[client]->datagrams;
   }
@@ -91,14 +91,14 @@ public:
 
   [[nodiscard]] const ServoCommand& servo_command() const noexcept { return servo_command_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
-  /// Those that have said hello.
+  /// Number of clients that have sent hello.
   [[nodiscard]] std::size_t clients() const noexcept;
-  /// How many connections there have been.
+  /// Number of connections so far.
   [[nodiscard]] std::uint64_t connections_made() const noexcept { return connections_made_; }
   /// Events since the last call for the log of the server, one line each; the oldest ones are
   /// dropped when it is not called for long.
   [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
-  /// The newest change since the last call, which every client has been told.
+  /// The newest change since the last call; it has been sent to every client.
   [[nodiscard]] std::optional<Clipping> take_clipping() noexcept {
     return std::exchange(clipping_, std::nullopt);
   }
@@ -109,7 +109,7 @@ public:
 
 private:
   using Words = const Message&;
-  /// What was wrong with a message: a code and a sentence; both empty when it was taken.
+  /// The error in a message: a code and a sentence; both empty if the message was accepted.
   struct Refusal {
     std::string_view code{}, text{};
     bool bad = false; ///< counts as a bad packet, and is no sign of life
@@ -117,14 +117,14 @@ private:
 
   // server.cpp: connections and time
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
-  void tell_clipping(const Clipping& clipping);
+  void send_clipping(const Clipping& clipping);
   [[nodiscard]] static bool is_recent(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
   void broadcast(const Message& message);
   void log_event(const Session& session, std::string_view what);
   void add_notice(std::string line);
 
-  // server_messages.cpp: what clients say
+  // server_messages.cpp: clients' messages
   [[nodiscard]] Refusal handle(Session& session, Words message, double now_s);
   [[nodiscard]] Refusal on_hello(Session& session, Words message, double now_s);
   [[nodiscard]] Refusal on_start(Session& session, Words message, double now_s);
@@ -134,7 +134,7 @@ private:
   void welcome(Session& session);
   [[nodiscard]] std::int32_t milliseconds(const Session& session, double now_s) noexcept;
 
-  // server_setup.cpp: what they set up
+  // server_setup.cpp: clients' settings
   [[nodiscard]] Refusal on_workspace(Session& session, Words message);
   [[nodiscard]] Refusal on_points(Session& session, Words message);
   [[nodiscard]] Refusal on_gains(Session& session, Words message);
@@ -144,7 +144,7 @@ private:
   [[nodiscard]] static Refusal on_udp(Session& session, Words message);
   void apply_setup() noexcept;
 
-  // server_streams.cpp: what the device does
+  // server_streams.cpp: positions, velocities and buttons of the device
   void send_streams(Session& session, double now_s);
   void drag() noexcept;
   void release_point();
@@ -162,7 +162,7 @@ private:
   DeviceReport report_{};
   std::optional<double> origin_s_{}; ///< of milliseconds()
 
-  std::optional<std::size_t> grabbed_{}; ///< a control point of the controller's
+  std::optional<std::size_t> grabbed_{}; ///< the controlling client's control point
   Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
   std::vector<std::string> notices_{};

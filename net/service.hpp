@@ -23,8 +23,9 @@ public:
   /// The connection has ended: by the peer, or because closing() was true and the queue empty.
   virtual void disconnect(ClientId client) = 0;
 
-  /// A datagram (bytes, from an address, at a time). Returns the client whose probe it is, if it is
-  /// one: what datagrams(client) holds is sent to the endpoint that it came from.
+  /// Handles a datagram (bytes, from an address, at a time). If it is a client's probe, returns
+  /// that client: the content of datagrams(client) is then sent to the endpoint from which the
+  /// probe came.
   [[nodiscard]] virtual std::optional<ClientId>
   receive_datagram(std::string_view, std::span<const std::uint8_t>, double) {
     return {};

@@ -8,7 +8,7 @@ ServoLink::ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::Cha
   settings_.chain.allowance_w = haptic::kAllowance_w;
   settings_.chain.hold_s = kHold_s;
   settings_.chain.ramp_s = kRamp_s;
-  settings_.chain.force_limit_n = 0; // until there are orders
+  settings_.chain.force_limit_n = 0; // zero until the first command arrives
   exchange_.settings.write(settings_);
   exchange_.motors.pause(true);
 }
@@ -40,7 +40,7 @@ void ServoLink::send(const ServoCommand& servo_command) noexcept {
   command.number = servo_command.forces;
   command.heartbeat_s = servo_command.alive_s;
   exchange_.commands.write(command);
-  // A failure of the device ends with the next start, as with the motors' switch beside it.
+  // A fault of the device is cleared by the next start, as by switching the motors on.
   if (servo_command.render.starts != starts_ && servo_command.running &&
       exchange_.reports.latest().fault != haptic::Fault::kNone &&
       !exchange_.motors.request().stopped)

@@ -4,9 +4,9 @@
 
 namespace tactus::net {
 
-/// Carries a server's orders to a servo and the servo's reports to the server, through the servo's
-/// exchange: neither side waits for the other. The force chain is the servo's; this sets its limit,
-/// its watchdog and its motors. An emergency stop is never released from here.
+/// Passes a server's commands to a servo and the servo's reports to the server, through the servo's
+/// exchange: neither side waits for the other. The servo contains the force chain; this class sets
+/// its limit, its watchdog and its motors. It never releases an emergency stop.
 class ServoLink {
 public:
   /// The servo is attached to its device with the model among its local models. chain: what the
@@ -16,7 +16,7 @@ public:
 
   /// Once a millisecond, by the thread of the server.
   void exchange(Server& server, double now_s);
-  /// The orders alone: as soon as something has been received.
+  /// Sends only the commands, as soon as something has been received.
   void send(const ServoCommand& servo_command) noexcept;
 
 private:

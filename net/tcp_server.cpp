@@ -25,17 +25,17 @@ namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(1);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
-constexpr double kCloseFlush_s = 1; ///< for what a closing connection still has to send
+constexpr double kCloseFlush_s = 1; ///< time in which a closing connection sends its queue
 constexpr auto kCloseTimeout = std::chrono::milliseconds(200);
 
-/// One client's socket. Handlers keep it alive; `open` says whether it still is a connection.
+/// One client's socket. Its handlers keep it alive; `open` is false once the connection has ended.
 struct Connection {
   Connection(tcp::socket accepted, std::size_t from_acceptor)
       : socket(std::move(accepted)), acceptor_index(from_acceptor) {}
   tcp::socket socket;
-  std::size_t acceptor_index; ///< the acceptor, and the socket for datagrams, that it came to
+  std::size_t acceptor_index; ///< index of its acceptor and datagram socket
   Service::ClientId client = 0;
-  std::optional<udp::endpoint> datagrams_to{}; ///< where its newest probe came from
+  std::optional<udp::endpoint> datagrams_to{}; ///< source of its newest probe
   std::array<std::uint8_t, 1u << 14> received{};
   bool open = true, waiting_to_write = false;
   double closing_since_s = 0;
@@ -120,7 +120,7 @@ struct TcpServer::Parts {
         if (error == asio::error::would_block || error == asio::error::try_again)
           break;
         if (error)
-          continue; // such as the refusal of one that was sent before
+          continue; // for example, an earlier datagram was refused
         const auto client =
             service.receive_datagram(from.address().to_string(), {datagram.data(), size}, now_s());
         if (client && connections[*client])
@@ -147,7 +147,7 @@ struct TcpServer::Parts {
         take(std::move(socket), which);
         return accept(which);
       }
-      // Such as too many open files: try again, but do not spin.
+      // For example too many open files: retry after a pause, without spinning.
       const auto pause = std::make_shared<asio::steady_timer>(context, kAcceptPause);
       pause->async_wait([this, which, pause](Error aborted) {
         if (!aborted && which < acceptors.size())
@@ -328,7 +328,7 @@ std::string TcpServer::open(const Settings& settings) {
     if (const Error failed = p.listen({asio::ip::address_v4::loopback(), port}))
       return refused("127.0.0.1", failed);
     port = p.acceptors.front().local_endpoint().port();
-    // A machine without IPv6 has no ::1.
+    // On a machine without IPv6 there is no ::1; that is no error.
     static_cast<void>(p.listen({asio::ip::address_v6::loopback(), port}));
   }
   if (settings.udp)
@@ -371,7 +371,7 @@ void TcpServer::run() {
 void TcpServer::stop() noexcept { parts_->stopping = true; }
 
 void TcpServer::poll() {
-  constexpr int kMaxHandlers = 256; // of those due: a flood does not hold the patch up
+  constexpr int kMaxHandlers = 256; // bounded, so that a flood does not delay the patch
   parts_->context.restart();
   for (int i = 0; i < kMaxHandlers && parts_->context.poll_one() > 0; ++i) {
   }

@@ -16,7 +16,7 @@ namespace tactus::net {
 class TcpServer {
 public:
   struct Settings {
-    int port = kPort;     ///< 0: any that is free
+    int port = kPort;     ///< 0: any free port
     std::string listen{}; ///< a numeric address; empty: loopback alone
     bool udp = false;     ///< clients may have positions as datagrams
   };
@@ -32,7 +32,7 @@ public:
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;
 
-  /// Begins to listen. Returns "" or one sentence that says what is wrong and what to do.
+  /// Starts listening. Returns "" or one sentence with the problem and the remedy.
   [[nodiscard]] std::string open(const Settings& settings);
   [[nodiscard]] int port() const noexcept;
   /// The first UDP port; 0 without UDP. The same as port(), unless another program uses that.
@@ -45,7 +45,7 @@ public:
   void run();
   /// Ends run(); any thread and a signal handler may call it.
   void stop() noexcept;
-  /// In place of run(): does what is due now, without waiting.
+  /// Instead of run(): does pending work without waiting.
   void poll();
   /// After the last poll(): sends every client the reason, without waiting. Clients that do not
   /// read, so that their sockets are full, do not get it.

@@ -15,7 +15,7 @@ TokenFile read_token_file(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::status(utf8_path(path), failed);
   std::ifstream file;
-  if (!failed && fs::is_regular_file(status)) // a FIFO would be waited for
+  if (!failed && fs::is_regular_file(status)) // opening a FIFO would block
     file.open(utf8_path(path), std::ios::binary);
   if (!file.is_open()) {
     read.error = "the token file " + path + " cannot be read";

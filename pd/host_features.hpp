@@ -19,8 +19,8 @@ struct HostFeatures {
 };
 [[nodiscard]] const HostFeatures& host_features() noexcept;
 
-/// Whether Pd was started to render as fast as it can (-batch). It exports no word about it: its
-/// command line tells.
+/// Whether Pd was started to render as fast as it can (-batch). Pd exports no variable for it; the
+/// command line shows it.
 [[nodiscard]] bool runs_in_batch() noexcept;
 
 /// The instance of Pd that this thread works for. A libpd built for many (MULTI, as in plugdata)
@@ -30,7 +30,7 @@ struct HostFeatures {
 /// The class flag of multichannel objects (CLASS_MULTICHANNEL since 0.54).
 inline constexpr int kMultichannelFlag = 0x10;
 
-/// Channels of a signal; its field came with 0.54, after the three that the 0.53 header knows.
+/// Channels of a signal; the field exists since 0.54, after the three fields of the 0.53 header.
 [[nodiscard]] int channel_count(const t_signal* signal) noexcept;
 
 } // namespace tactus::pd

@@ -2,7 +2,7 @@
 
 #include <string>
 
-/// What the system knows of the process that loaded this module: host_process_posix.cpp,
+/// Queries about the process that loaded this module: host_process_posix.cpp,
 /// host_process_windows.cpp.
 namespace tactus::pd {
 
@@ -13,7 +13,7 @@ namespace tactus::pd {
 [[nodiscard]] std::string module_folder();
 [[nodiscard]] bool is_absolute(const std::string& path) noexcept;
 
-/// The process's arguments, each with a zero in front and behind.
+/// The process's arguments, each with a zero byte before and after it.
 [[nodiscard]] std::string command_line();
 
 } // namespace tactus::pd

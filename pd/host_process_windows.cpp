@@ -9,7 +9,7 @@
 
 namespace tactus::pd {
 
-// In the DLL that a function of Pd's comes from, whatever that is called.
+// Looks in the DLL that contains a function of Pd, whatever the name of that DLL.
 void* host_symbol(const char* name) noexcept {
   HMODULE host = nullptr;
   GetModuleHandleExA(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
@@ -18,7 +18,7 @@ void* host_symbol(const char* name) noexcept {
   return host ? reinterpret_cast<void*>(GetProcAddress(host, name)) : nullptr;
 }
 
-// In UTF-8, as Pd's own paths.
+// In UTF-8, like Pd's own paths.
 std::string module_folder() {
   static const char here = 0;
   HMODULE module = nullptr;

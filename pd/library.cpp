@@ -12,7 +12,8 @@ namespace {
 
 t_class* library;
 
-/// A path as Pd's own dialogs send it: '+' in front, and for what would end a message.
+/// A path in the form that Pd's own dialogs send: '+' in front, and escapes for characters that
+/// would end a message.
 std::string encoded(const std::string& path) {
   std::string text = "+";
   for (const char c : path)

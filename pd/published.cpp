@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kClassName = "tactus offer";
 
-/// Each module has its own; they know each other by the name.
+/// Each module registers its own class; they recognise each other's by its name.
 t_class* published_class(std::size_t size) {
   static t_class* const made =
       class_new(gensym(kClassName), nullptr, nullptr, size, CLASS_PD, A_NULL);
@@ -22,7 +22,7 @@ t_symbol* symbol_of(std::string_view name) {
 
 } // namespace
 
-/// Bound to the name's symbol.
+/// The object to which the name's symbol is bound.
 struct PublishedObject::Entry {
   t_pd pd; // first: this is what the symbol points to
   t_symbol* symbol;

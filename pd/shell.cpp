@@ -31,12 +31,12 @@ namespace {
 
 class PdObject;
 
-/// Pd keeps every function as one of its untyped pointers.
+/// Pd stores every function as one untyped pointer type.
 template <class Function> t_method method(Function* function) {
   return reinterpret_cast<t_method>(reinterpret_cast<void (*)()>(function));
 }
 
-/// What Pd itself allocates. It has no constructors: everything of C++ is in self.
+/// The memory that Pd allocates. No constructor runs for it: all C++ members are in self.
 struct Instance {
   t_object object;
   t_float main_inlet; // the left signal inlet's value while no signal is connected
@@ -55,7 +55,7 @@ std::size_t count_signals(std::span<const Port> ports) {
   }));
 }
 
-/// A name that begins with ~/ in the user's home folder, as Pd opens it.
+/// Expands a leading ~/ to the user's home folder, as Pd does when it opens a file.
 std::string with_home(std::string_view name) {
   const char* home = name.starts_with("~/") ? std::getenv("HOME") : nullptr;
   return home ? home + std::string(name.substr(1)) : std::string(name);
@@ -116,7 +116,7 @@ public:
     return true;
   }
 
-  // The calls of Pd: none goes to a member but through enter().
+  // Callbacks of Pd: each calls members only through enter().
   static void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms) {
     instance->self->enter(selector->s_name, &PdObject::receive, selector, count, atoms);
   }
@@ -206,15 +206,16 @@ public:
 
 private:
   static constexpr double kPollMilliseconds = 5;
-  /// Of a flood of errors about one message these are printed, then each half second their number.
+  /// Maximum number of errors printed about one message; after that their number is printed every
+  /// half second.
   static constexpr int kMaxErrors = 100;
   static constexpr double kFloodMilliseconds = 500;
-  static constexpr std::string_view kLibrary = "tactus"; // its folder, in a folder of Pd's path
+  static constexpr std::string_view kLibrary = "tactus"; // name of its folder within Pd's path
   static constexpr HostPrecision kPrecision =
       sizeof(t_float) == sizeof(float) ? HostPrecision::kSingle : HostPrecision::kDouble;
 
-  /// Calls a member; a failure is one sentence, with the message or event in which it came. False
-  /// then.
+  /// Calls a member. A failure is printed as one sentence with the message or event that caused it;
+  /// returns false then.
   template <class... Parameters, class... Arguments>
   bool enter(const char* event, void (PdObject::*member)(Parameters...),
              Arguments... arguments) noexcept {
@@ -235,7 +236,7 @@ private:
       print_error(error_kind_ + ": " + std::to_string(held_errors_) + " more errors");
     held_errors_ = 0;
   }
-  /// Half a second after the first of them: a flood that goes on stays a number.
+  /// Half a second after the first error: while the flood continues, only the number is printed.
   void end_half_second() {
     errors_ = held_errors_ > 0 ? kMaxErrors : 0;
     if (held_errors_ > 0)
@@ -271,7 +272,7 @@ private:
       voice->list(inlet, given, *this);
   }
 
-  /// A voice a channel, and room for their signals.
+  /// Makes one object per channel, and buffers for their signals.
   void prepare(std::size_t channels, double rate, std::size_t frames) {
     while (voices_.size() < channels) {
       std::unique_ptr<AnyObject<t_sample>> copy(voices_[0]->clone());
@@ -300,7 +301,7 @@ private:
     const auto rate = static_cast<double>(signals[0]->s_sr);
     prepared_ = enter("dsp", &PdObject::prepare, channels, rate, frames);
     if (!prepared_)
-      voices_.resize(1); // silent
+      voices_.resize(1); // output silence
     if (features.signal_setmultiout && record_.traits().multichannel)
       for (std::size_t i = 0; i < signal_outlets_; ++i)
         features.signal_setmultiout(&signals[signal_inlets_ + i], static_cast<int>(voices_.size()));
@@ -412,7 +413,7 @@ private:
     struct Search {
       const std::string& name;
       std::string found;
-      /// As a function of Pd's: whether to go on.
+      /// As a callback of Pd: whether to continue.
       int look(std::string path) {
         std::error_code failed;
         if (std::filesystem::is_regular_file(std::u8string(path.begin(), path.end()), failed))
@@ -509,7 +510,7 @@ private:
   PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
-  t_pdinstance* pd_ = current_instance(); // a worker thread has none of its own
+  t_pdinstance* pd_ = current_instance(); // worker threads have no instance of their own
   InstanceNumbers::Hold hold_{record_.numbers, pd_};
   t_symbol* list_ = gensym("list"); // not s_list: of each instance its own
   double creation_time_;
@@ -523,7 +524,7 @@ private:
   std::vector<Timer> timers_;
   t_clock* flood_clock_ = nullptr;
   std::string error_kind_{}; ///< the message that the last error was about
-  int errors_ = 0;           ///< about it in this half second
+  int errors_ = 0;           ///< errors of this kind in this half second
   int held_errors_ = 0;      ///< of these not printed
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;

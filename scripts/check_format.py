@@ -4,7 +4,7 @@ when clang-format-14 is missing.
 
     check_format.py           the whole checkout
     check_format.py FILE...   these files
-    check_format.py --fix     writes them so
+    check_format.py --fix     formats the files
 """
 import concurrent.futures
 import os
@@ -15,7 +15,7 @@ import sys
 
 from source_files import C_FAMILY, ROOT, source_files
 
-TOOL = "clang-format-14"  # another version writes other lines
+TOOL = "clang-format-14"  # other versions format differently
 FILES_A_RUN = 40
 
 

@@ -16,10 +16,10 @@ import tokenize
 from source_files import C_FAMILY, ROOT, source_files
 
 RULES = pathlib.Path(__file__).with_name("words_to_avoid.txt")
-# Not prose of today: what was released, the list itself and its test.
+# Not current prose: the released changes, the list itself and its test.
 EXEMPT = {"CHANGELOG.md", "scripts/words_to_avoid.txt", "tests/style/test_check_words.py"}
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-# What is no code in C++: comments, and strings and characters (a quote inside a number parts digits).
+# Parts of C++ that are not code: comments, strings and characters (a quote inside a number separates digits).
 C_PARTS = re.compile(
     r"""(?P<comment>//(?:\\\n|[^\n])*|/\*.*?\*/)
       | (?P<string>R"(?P<end>[^(\s]*)\(.*?\)(?P=end)"
@@ -51,13 +51,14 @@ def read_rules(text):
 
 
 def blank(text):
-    """As many lines, nothing in them."""
+    """The same number of lines, all blank."""
     return re.sub(r"[^\n]", " ", text)
 
 
 def split_by(parts, text):
-    """(code, prose) of a text whose comments and strings an expression finds: each as long as the text,
-    so that lines keep their numbers."""
+    """(code, prose) of a text; an expression finds its comments and strings. Both have the text's length, so
+    that
+    lines keep their numbers."""
     code, prose, end = [], [], 0
     for match in parts.finditer(text):
         before, found = text[end:match.start()], match.group()
@@ -68,7 +69,7 @@ def split_by(parts, text):
 
 
 def python_tokens(text):
-    """The tokens of a text, up to where it is no Python: scripts/check_python.py says that."""
+    """The tokens of a text up to the first syntax error, which scripts/check_python.py reports."""
     try:
         yield from tokenize.generate_tokens(io.StringIO(text).readline)
     except (tokenize.TokenError, IndentationError):
@@ -142,7 +143,7 @@ def hits(name, text, rules):
     look_at_words(0, ("name", "word"), IDENTIFIER.findall(pathlib.PurePosixPath(name).stem))
     for number, (code, prose) in enumerate(zip(*(part.split("\n") for part in parts)), 1):
         look_at_words(number, ("name", "word"), IDENTIFIER.findall(code))
-        # A sentence's words are those of the language: only what is written as code is meant.
+        # Words in sentences are plain English: only words marked as code are checked.
         look_at_words(number, ("word",), [word for word in IDENTIFIER.findall(prose)
                                           if "_" in word or re.search(r"[a-z][A-Z]", word)])
         for rule in rules:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes BUILD/sources/compile_commands.json, which has a command for each source file: those that are
-compiled as one (cmake/CombinedSources.cmake) have one together in CMake's own BUILD/compile_commands.json.
+"""Writes BUILD/sources/compile_commands.json with a command for each source file. In CMake's own
+BUILD/compile_commands.json files that are compiled together (cmake/CombinedSources.cmake) share one command.
 
     compile_commands.py [BUILD]
 """

@@ -1,4 +1,4 @@
-"""What ./play makes: the scenes, their order, and what each says of itself in its first lines."""
+"""The contents of ./play: the scenes, their order, and the declarations in their first lines."""
 import pathlib
 import re
 
@@ -12,7 +12,7 @@ SECTIONS = (
     ("Touched", ("audiohaptics", "spring", "strike", "design")),
     ("Studied", ("reed-study",)),
 )
-# Heard first, at the top of the page: (scene, sound, what it is).
+# At the top of the page: (scene, sound, description).
 HIGHLIGHTS = (
     ("fanfare", "fanfare", "Four players of lip reeds: two trumpets and two trombones"),
     ("walking", "tour", "One walker in one take: gravel, wood, concrete; turns, runs, jumps, sneaks, climbs"),
@@ -23,8 +23,8 @@ HIGHLIGHTS = (
     ("particles", "piece", "Maraca, cabasa, tambourine and coins over rain and bubbles"),
     ("audiohaptics", "taps_chair", "A hand taps a disk, feels it push back, and hears it"),
 )
-# The order of the work: what is heard first and needs little to be built; what takes longest before the short
-# ones of its kind, so that no processor waits at the end.
+# The order of the work: first the scenes at the top of the page that need little to be built; the longest
+# before short ones of their kind, so that no processor is idle at the end.
 WORK = ("fanfare", "walking", "particles", "bodies", "reed", "rubbing", "audiohaptics", "footsteps", "design",
         "walk-on-plate", "map", "greed", "finger", "board", "spring", "strike", "disk", "disk-hollow", "reed-study")
 
@@ -51,12 +51,12 @@ def declared(name, word):
 
 
 def needs(name):
-    """What must be built first: externals as they are named in Pd, and other targets of the build."""
+    """Build targets that a scene needs: externals by their names in Pd, and other targets."""
     return declared(name, "NEEDS").split()
 
 
 def is_long(name):
-    """Left to ./play --all."""
+    """Whether only ./play --all makes the scene."""
     return bool(re.search(r"^LONG = True$", file(name).read_text(), re.MULTILINE))
 
 

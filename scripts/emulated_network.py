@@ -4,12 +4,12 @@
         network.start("device", ["haptic_server", "--listen", network.address("device"), ...])
 
 Each computer is a network namespace with one interface, a TUN device whose packets a process of this
-module carries to the others: every packet waits delay_ms one way, plus an exponential jitter of mean
-jitter_ms (so that packets overtake each other), and is lost with the probability `loss`. While it is
-`held` no packet goes on, and all that wait go at once when it ends; while it is `cut` they vanish, and
-nobody is told (half-open connections). set_line changes this at any time; set_link takes a computer's
-interface down, of which its kernel knows. What the kernels do about it, retransmissions and congestion
-control, is their own; netem is not needed.
+module carries to the others. Every packet waits delay_ms one way, plus an exponential jitter of mean
+jitter_ms (so that packets overtake each other), and is lost with the probability `loss`. While the
+connection is `held` no packet passes, and all waiting packets pass at once when that ends. While it is
+`cut` packets are dropped without notice (half-open connections). set_line changes these settings at any
+time; set_link takes a computer's interface down, of which its kernel is notified. Retransmission and
+congestion control are those of the real kernels; netem is not needed.
 Needs root (or CAP_NET_ADMIN and CAP_SYS_ADMIN) and /dev/net/tun.
 """
 import argparse
@@ -32,7 +32,7 @@ PR_SET_PDEATHSIG = 1
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 PREFIX = "10.78.0"
 MTU = 1500
-QUEUE_BYTES = 1 << 20  # of one line; what is more is dropped, as a router does
+QUEUE_BYTES = 1 << 20  # per connection; packets beyond that are dropped, as by a router
 LINE = {"delay_ms": 0.0, "jitter_ms": 0.0, "loss": 0.0, "held": False, "cut": False}
 
 
@@ -94,8 +94,9 @@ class EmulatedNetwork:
             ip("-n", name, "link", "set", "line", "mtu", str(MTU), "up")
 
     def set_line(self, **line):
-        """delay_ms, jitter_ms: of the packets that come from now on; loss: their share that vanishes;
-        held, cut: of those that wait, too. What is not named stays. In force when this returns."""
+        """delay_ms, jitter_ms: for packets sent from now on; loss: fraction that is dropped; held, cut: also
+        for
+        waiting packets. Settings that are not given keep their values. In force when this returns."""
         if unknown := set(line) - set(LINE):
             raise TypeError(f"a line has no {', '.join(sorted(unknown))}: expected {', '.join(LINE)}")
         if self.router:
@@ -104,11 +105,11 @@ class EmulatedNetwork:
             self.router.stdout.readline()
 
     def set_link(self, computer, up):
-        """The interface of that computer, as if its cable were pulled out or put in."""
+        """Takes a computer's interface up or down, like plugging in or pulling its cable."""
         ip("-n", self.namespace(computer), "link", "set", "line", "up" if up else "down")
 
     def inside(self, computer):
-        """What is put before a command that is to run on that computer."""
+        """The words put before a command to run it on that computer."""
         return [*self.nice, "ip", "netns", "exec", self.namespace(computer)]
 
     def start(self, computer, command, **options):
@@ -139,7 +140,7 @@ class EmulatedNetwork:
 
 
 def inside_namespace(namespace, make):
-    """What `make` returns, called with this thread in that network namespace."""
+    """Calls `make` with this thread in that network namespace; returns its result."""
     libc = ctypes.CDLL(None, use_errno=True)
 
     def enter(here):
@@ -182,7 +183,7 @@ def route(tuns, seed, orders):
                     packet = os.read(tun, 65536)
                 except BlockingIOError:
                     break
-                read_s = time.monotonic()  # after the packet was sent, so that no delay comes out shorter
+                read_s = time.monotonic()  # after the packet was sent, so that delays are not too short
                 to = packet[19] - 1 if len(packet) >= 20 and packet[0] >> 4 == 4 else -1
                 if not 0 <= to < len(tuns) or chance.random() < line["loss"] or \
                         queued[to] + len(packet) > QUEUE_BYTES:
@@ -200,7 +201,7 @@ def route(tuns, seed, orders):
                 continue
             try:
                 os.write(tuns[to], packet)
-            except OSError:  # an interface that is down loses what it is given
+            except OSError:  # an interface that is down drops packets
                 pass
 
 
@@ -211,7 +212,7 @@ def main():
     words = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's; whoever started this ends it
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)  # or dies
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)  # ends with its parent
     try:
         tuns = [inside_namespace(namespace, open_tun) for namespace in words.namespaces]
     except OSError as refused:

@@ -3,12 +3,12 @@
 
     scripts/four_computers.py [--delay 5] [--loss 0] [--seconds 8] [--out out/four_computers]
 
-Each computer is a network namespace with a Pd of its own, which opens its patch of
-patches/audiohaptics/four_computers; ioa_net joins them by their addresses, with a token, over lines
-with that delay, ms each way, and loss. A simulated hand taps the disk. Prints what each computer saw,
-and how long a hit took to the sound and to the screen; writes each one's messages (NAME.txt), what Pd
-said (NAME.log) and the sound (sound.wav). Needs root, for namespaces. How it is done on four real
-ones: docs/four_computers.md.
+Each computer is a network namespace with its own Pd, which opens its patch of
+patches/audiohaptics/four_computers; ioa_net connects them by their addresses, with a token, over
+connections with that delay, ms each way, and loss. A simulated hand taps the disk. Prints the messages
+that each computer received, and the latency from a hit to the sound and to the screen; writes each one's
+messages (NAME.txt), Pd's output (NAME.log) and the sound (sound.wav). Needs root, for namespaces. The
+setup of four real computers: docs/four_computers.md.
 """
 import argparse
 import collections
@@ -33,7 +33,7 @@ EVENTS = {"interaction": ("hit",), "sound": ("excite",), "screen": ("mark",), "d
 
 
 def companion(computer):
-    """Watches the patch of that computer: its bus, and its connections."""
+    """A patch that records the bus and the connections of that computer's patch."""
     patch = LivePatch()
     patch.see("four", *TOPICS[computer])
     for topic in EVENTS[computer]:
@@ -57,7 +57,7 @@ def opened(computer, folder):
 
 
 def rows_of(path):
-    """A bus's messages that were kept: lists of words."""
+    """The recorded messages of a bus: lists of words."""
     return [line.rstrip(";").split() for line in path.read_text().splitlines()]
 
 

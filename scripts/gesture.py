@@ -1,12 +1,12 @@
 """What a player does with breath and lips for a score: pressure and reed frequency over time.
 
-A reed's loudness follows the mouth pressure. A lip that firms up with the square root of the pressure
-would keep the share gamma = p_m/P_M of the closing pressure, and with it the playing regime, the
-same from piano to forte, for P_M = k x_0/(w lambda_m) grows as f_r^2; a lip that stays keeps the
-intonation. The player does half of each: f_r follows the fourth root. So one number a moment, the
-wanted level in dB, gives both. On top: the tongue's attack, a small dip where fingers change under
-a slur, a swell in long notes, an arch over the phrase, vibrato that sets in late, breath taken in
-rests, and what keeps a human from being a machine, from a seed.
+A reed's loudness follows the mouth pressure. If the lip tension followed the square root of the pressure,
+the ratio gamma = p_m/P_M to the closing pressure, and with it the playing regime, would be the same
+from piano to forte, since P_M = k x_0/(w lambda_m) grows as f_r^2; a constant lip keeps the
+intonation. The player does half of each: f_r follows the fourth root of the pressure. So one number at
+each time, the target level in dB, determines both. Added to this: the tongue's attack, a small dip where
+fingers change under a slur, a swell in long notes, an arch over the phrase, late vibrato, breath taken in
+rests, and random human variation from a seed.
 """
 import dataclasses
 
@@ -21,19 +21,19 @@ class Technique:
     """What one player of one instrument has learnt. Pressures Pa, frequencies Hz, times s."""
     pressure: float             # mezzo forte
     reed_frequency: float       # the lip that goes with it
-    level_db: dict = dataclasses.field(default_factory=dict)   # a pitch: so much more, for evenness
+    level_db: dict = dataclasses.field(default_factory=dict)   # by pitch: extra level, for evenness
     lip: dict = dataclasses.field(default_factory=dict)        # a pitch: its own reed frequency
-    dynamic_range: float = 1.0  # dB of breath for each dB that the velocities ask for
+    dynamic_range: float = 1.0  # dB of breath for each dB of the velocities
     firmness: float = 0.25      # the lip's f_r goes with this power of the effort
     early: float = 0.025        # how long before the beat it starts from silence, else half of it
-    speaks: dict = dataclasses.field(default_factory=dict)  # a pitch: so early when from silence
+    speaks: dict = dataclasses.field(default_factory=dict)  # by pitch: start before the beat from silence
     attack: float = 0.008       # time the pressure takes to rise
-    accent: float = 0.10        # by how much it overshoots
-    accent_time: float = 0.05   # how fast that fades
+    accent: float = 0.10        # overshoot
+    accent_time: float = 0.05   # decay time of the overshoot
     release: float = 0.16       # time it takes to fall at the end of a phrase
     tongue: float = 0.050       # time the tongue is on the reed between two notes
-    # Share of the pressure that gets past it. With less, some of the remaining sound of the higher
-    # modes starts the next note there: a squeak.
+    # Fraction of the pressure that passes the tongue. With less, the remaining sound of the higher modes
+    # starts the next note there: a squeak.
     stopped: float = 0.45
     slur_dip: float = 0.08
     vibrato_hz: float = 5.2
@@ -61,7 +61,8 @@ class Gesture:
 
 
 def start(note, technique):
-    """When the tongue lets go for a note: before the onset, by the time that it takes to speak."""
+    """Time at which the tongue releases a note: before the onset, by the time that the note takes to
+    speak."""
     early = technique.speaks.get(note.pitch, technique.early) if note.first else 0.5 * technique.early
     return note.onset - early
 
@@ -212,7 +213,7 @@ def positions(gesture, sigma):
 
 
 def write_path(path, y, z, half_width_mm=50.0):
-    """The hand's path for [phantom]: rows `ms x y z`, mm, rows that straight lines give left out."""
+    """Writes the hand's path for [phantom]: rows `ms x y z`, mm; rows on a straight line are omitted."""
     mm = numpy.round((numpy.stack([y, z]) - 0.5) * 2 * half_width_mm, 4)
     keep = numpy.ones(mm.shape[1], bool)
     bend = numpy.abs(mm[:, 2:] - 2 * mm[:, 1:-1] + mm[:, :-2]).max(axis=0)

@@ -122,7 +122,7 @@ def read(path):
 
 
 def compare(before, after, again):
-    """Prints what differs; True when nothing does that does not vary by itself."""
+    """Prints the differences; True if there are none, apart from renders that vary anyway."""
     varying = {key for key in before if again and before[key] != again.get(key)}
     different = [key for key in sorted(before.keys() | after.keys())
                  if before.get(key) != after.get(key) and key not in varying]

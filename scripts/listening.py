@@ -1,4 +1,4 @@
-"""What one hears, in numbers: pitch, level, onset of notes, clicks."""
+"""Measures of sounds: pitch, level, onset of notes, clicks."""
 import numpy
 import scipy.fft
 import scipy.signal
@@ -6,7 +6,7 @@ import scipy.signal
 
 def pitch_near(samples, rate, expected_hz, cents=150):
     """Frequency of the partial nearest to expected_hz (Hann window, parabola through the peak of a
-    padded spectrum); nan when nothing stands out there."""
+    padded spectrum); nan if there is no distinct peak."""
     x = numpy.asarray(samples, float)
     if len(x) < 4 * rate / expected_hz:
         return float("nan")

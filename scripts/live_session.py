@@ -1,4 +1,4 @@
-"""Live Pds on the computers of an emulated network, and a clock for what they say.
+"""Live Pds on the computers of an emulated network, with time stamps of their events.
 
     with EmulatedNetwork(["hand", "sound"]) as network, Session(network, folder) as session:
         patch = LivePatch()
@@ -25,8 +25,8 @@ FIRST_PORT = 7801  # of the session's own messages, on each computer's 127.0.0.1
 
 
 class LivePatch:
-    """Boxes and cords of a patch; `tell` sends words to the session, Session.send comes to receivers.
-    number: tells apart the Pds of one computer."""
+    """Boxes and connections of a patch; `tell` sends words to the session, Session.send reaches receivers.
+    number: distinguishes the Pds of one computer."""
 
     def __init__(self, number=0):
         self.boxes, self.cords = [], []
@@ -55,7 +55,7 @@ class LivePatch:
         return source
 
     def tell(self, source, outlet, word):
-        """Whatever leaves that outlet is the event `word`."""
+        """Any output of that outlet is reported as the event `word`."""
         bang, message = self.obj("t b"), self.msg(word)
         self.cord(source, outlet, bang)
         self.cord(bang, 0, message)
@@ -77,13 +77,13 @@ class LivePatch:
         self.cord(words, 0, send)
 
     def net(self, receiver, words):
-        """An ioa_net that takes orders by that receiver, and tells that it is connected."""
+        """An ioa_net that is controlled through that receiver and reports when it is connected."""
         join = self.obj(f"ioa_net {words}")
         self.cord(self.obj(f"r {receiver}"), 0, join)
         self.tell(self.chain(join, "route connected", "sel 1"), 0, f"{receiver}-connected")
 
     def see(self, bus, *topics):
-        """Keeps what comes on these topics of a bus; `session-write FILE` writes it, a row a message."""
+        """Stores messages on these topics of a bus; `session-write FILE` writes them, one row per message."""
         rows = self.chain(self.obj(f"ioa_bus {bus} {' '.join(topics)}"), "list", "text insert session-seen 1e+06")
         table = self.obj("text define session-seen")
         self.cord(self.chain(self.obj("r session-write"), "symbol"), 0, write := self.msg("write -c \\$1"))
@@ -95,8 +95,8 @@ class LivePatch:
 
 
 class Session:
-    """Pds by name, that of their computer unless said otherwise, and the time of each event, s of
-    CLOCK_MONOTONIC, taken by the kernel as Pd sends it."""
+    """Pds by name (by default their computer's), and the time of each event, s of
+    CLOCK_MONOTONIC, taken by the kernel when Pd sends it."""
 
     def __init__(self, network, folder):
         self.network, self.folder = network, pathlib.Path(folder)
@@ -112,8 +112,8 @@ class Session:
         self.close()
 
     def play(self, computer, patch, audio_rate=48000, opens=(), name=None):
-        """Starts Pd with the patch, and with others beside it; it runs by the clock, with sound
-        computed and not played."""
+        """Starts Pd with the patch and further ones; it runs in real time, computing sound without
+        playing it."""
         name = name or computer
         self.computers[name], self.order_ports[name] = computer, patch.order_port
         file = self.folder / f"{name}.pd"
@@ -162,7 +162,7 @@ class Session:
             time.sleep(0.01)
 
     def send(self, name, receiver, words):
-        """To a receiver of that Pd."""
+        """Sends words to a receiver of that Pd."""
         self.doors[name].sendto(f"{receiver} {words};\n".encode(),
                                 ("127.0.0.1", self.order_ports[name]))
 
@@ -172,8 +172,10 @@ class Session:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def join(self, caller, listener, port, calling, listening):
-        """The bus's ioa_net of two Pds, with a token where they are two computers. calling, listening:
-        receivers that lead to them. Until both sides tell `RECEIVER-connected` (LivePatch.net)."""
+        """Connects the ioa_net objects of two Pds, with a token if they are on two computers. calling,
+        listening:
+        receivers of these objects. Returns when both sides have reported `RECEIVER-connected`
+        (LivePatch.net)."""
         here, there = self.computers[caller], self.computers[listener]
         if here == there:
             listen, connect = f"listen {port}", f"connect {port}"
@@ -188,7 +190,7 @@ class Session:
         self.wait(listener, f"{listening}-connected")
 
     def _token_file(self):
-        """Of all computers of this session."""
+        """The token file shared by all computers of this session."""
         file = self.folder.resolve() / "token"
         if not file.exists():
             file.touch(mode=0o600)
@@ -196,8 +198,8 @@ class Session:
         return file
 
     def tcp_traffic(self, computer, port):
-        """(bytes, segments) that the TCP connection from that computer to that port has carried, both
-        ways, as the kernel counts them at its client; nothing of headers."""
+        """(bytes, segments) carried by the TCP connection from that computer to that port, in both
+        directions, counted by the client's kernel without headers."""
         text = subprocess.run([*self.network.inside(computer), "ss", "-tinH", "state", "established",
                                "dport", f"= :{port}"], capture_output=True, text=True, check=True).stdout
         found = {name: int(value) for name, value in

@@ -5,10 +5,10 @@
 
 --out         where to, build/pages; open FOLDER/index.html
 --photograph  pictures of the help patches and tutorials, too (needs a built library and what scripts/photograph needs)
---browse      loads every page in headless Chromium afterwards: no broken picture, sound or anchor
+--browse      then loads every page in headless Chromium and reports broken pictures, sounds and anchors
 
-Exits with 1 and one line for each link that leads nowhere. Needs Debian's cmark-gfm. Links to files of the checkout
-lead to copies of them; what ./play makes (out/) is copied if it is there and named if it is not.
+Exits with 1 and one line for each broken link. Needs Debian's cmark-gfm. Links to files of the checkout
+lead to copies of them; files made by ./play (out/) are copied if they exist and named otherwise.
 """
 import argparse
 import dataclasses
@@ -27,10 +27,10 @@ from pages_style import STYLE
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BEGIN = ["docs/README.md", "docs/getting_started.md", "docs/gallery.md", "docs/faq.md", "docs/glossary.md"]
 SOUNDS = {".wav", ".flac", ".ogg"}
-COPIED = {".png", ".jpg", ".svg", ".npz", ".mid", ".stl", ".step", *SOUNDS}  # all else is shown as text
+COPIED = {".png", ".jpg", ".svg", ".npz", ".mid", ".stl", ".step", *SOUNDS}  # other files are shown as text
 
 
-PACKAGED = re.compile(r"packaging/(library/|third_party\.md)")  # read in a package, beside other files than here
+PACKAGED = re.compile(r"packaging/(library/|third_party\.md)")  # belongs in packages, beside other files
 
 
 def tracked():
@@ -78,7 +78,7 @@ class Page:
 
 
 class Site:
-    """All pages, the files that they link to, and what is wrong with their links."""
+    """All pages, the files that they link to, and the faults of their links."""
 
     def __init__(self, files, out, root=ROOT):
         self.root, self.out = root, out
@@ -92,7 +92,7 @@ class Site:
     # Links -----------------------------------------------------------------------------------------------------
 
     def target(self, page, link):
-        """Where a link of a page leads, as a path in the checkout and an anchor; None: not to a file."""
+        """The target of a page's link, as a path in the checkout and an anchor; None if it is not a file."""
         parts = urllib.parse.urlsplit(html.unescape(link))
         if parts.scheme or parts.netloc:
             return None
@@ -116,7 +116,7 @@ class Site:
         self.faults.append(f"{page}: ({html.unescape(link)}) {reason}")
 
     def resolve(self, page, link):
-        """The link as the copy has it; None where it leads to what ./play has not made."""
+        """The link for the copy; None if it leads to a file that ./play has not made."""
         found = self.target(page, link)
         if not found:
             return link
@@ -136,7 +136,8 @@ class Site:
         return urllib.parse.quote(path) + (f"#{urllib.parse.quote(anchor)}" if anchor else "")
 
     def made_by_play(self, page, link, name):
-        """Is a file of out/ there, to be copied? A scene that does not exist, or that was made without it, is a fault.
+        """Whether a file of out/ exists and can be copied. A missing scene, or a scene made without the file,
+        is a fault.
         The page of ./play is not copied: its links lead into the checkout."""
         parts = pathlib.PurePosixPath(name).parts
         scene = parts[1]
@@ -167,7 +168,7 @@ class Site:
     # Writing ---------------------------------------------------------------------------------------------------
 
     def groups(self):
-        """What the side shows: the name of a group and its pages."""
+        """The sidebar: names of groups and their pages."""
         def under(folder):
             return [n for n in self.pages if pathlib.PurePosixPath(n).parent.as_posix() == folder and n not in BEGIN]
         shown = [("Begin", [n for n in BEGIN if n in self.pages]), ("Tutorials", under("docs/tutorials")),
@@ -245,8 +246,8 @@ class Site:
 
 
 def photograph(out, stage):
-    """Pictures of the help patches and of the tutorials' patches into FOLDER/pictures; those that are newer than
-    their patch stay."""
+    """Photographs the help patches and the tutorials' patches into FOLDER/pictures; keeps pictures newer than
+    their patch."""
     (out / "pictures").mkdir(parents=True, exist_ok=True)
     patches = {f"{p.name.removesuffix('-help.pd')}-help": p for p in stage.glob("*-help.pd")
                if (ROOT / "externals" / p.name.removesuffix("-help.pd")).is_dir()}
@@ -261,7 +262,7 @@ def photograph(out, stage):
 
 
 def make(out, root=ROOT, files=None):
-    """Writes the pages of a checkout; returns the site, whose faults name the links that lead nowhere."""
+    """Writes the pages of a checkout; returns the site, whose faults list the broken links."""
     site = Site(tracked() if files is None else files, out, root)
     site.write_all()
     return site

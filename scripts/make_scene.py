@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes one scene of ./play: runs scripts/scenes/NAME.py and keeps what it made in out/NAME/.
+"""Makes one scene of ./play: runs scripts/scenes/NAME.py and stores its results in out/NAME/.
 
     make_scene.py NAME [FOLDER]     FOLDER instead of out
 
@@ -23,7 +23,8 @@ sys.path.insert(0, str(ROOT / "tests" / "patches"))  # the harness that runs Pd 
 
 
 class Scene:
-    """What a scene writes to. Files land in scene.folder, everything shown in the order given."""
+    """The output of a scene. Files are in scene.folder; items are shown in the order in which they were
+    added."""
 
     def __init__(self, name, folder, title, description):
         self.name, self.folder = name, folder
@@ -47,8 +48,10 @@ class Scene:
         self._add("text", text=text)
 
     def sound(self, name, samples, rate, caption=""):
-        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size. It begins and ends
-        in silence: end the gesture and let it ring out, or use fade_out(). What sound_check.py finds is named."""
+        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size. It must begin
+        and end
+        in silence: end the gesture and let it decay, or use fade_out(). Faults found by sound_check.py are
+        reported."""
         samples = numpy.asarray(samples, dtype=numpy.float32)
         if not numpy.isfinite(samples).all() or abs(samples).max(initial=0) > 1:
             raise ValueError(f"{name}: a sound must be finite and within -1..1")
@@ -84,9 +87,10 @@ class Scene:
 
 
 def fade_out(samples, rate, seconds):
-    """The recording with its last seconds turned down to silence by a raised cosine: for what still sounds
-    where the recording ends. The last 20 ms are silent."""
-    faded = numpy.array(samples)  # of the same type, so that what comes before keeps its bits
+    """The recording with a raised-cosine fade over its last seconds, for sounds that have not decayed at its
+    end.
+    The last 20 ms are silent."""
+    faded = numpy.array(samples)  # of the same type, so that earlier samples are bit-equal
     count, silent = round(seconds * rate), round(0.02 * rate)
     gain = numpy.concatenate([0.5 + 0.5 * numpy.cos(numpy.pi * numpy.arange(count) / count), numpy.zeros(silent)])
     gain = gain[-len(faded):]

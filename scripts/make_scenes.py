@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""The work of ./play: builds what the scenes need and makes them, each as soon as what it needs is built.
+"""The work of ./play: builds the scenes' dependencies and makes each scene as soon as these are built.
 
     make_scenes.py [--all] [--build FOLDER] [NAME...]
 
-One thread builds, scene by scene; others make scenes, as many at a time as there are processors, at most four.
-After each scene out/index.html is written anew, and out/times.tsv says when what began and how long it took.
-Without names: every scene but the long ones, which --all adds. Status 1 when a scene failed or a sound has a
+One thread builds, scene by scene; others make scenes, as many at a time as there are processors, at most
+four.
+After each scene out/index.html is rewritten, and out/times.tsv lists start and duration of each step.
+Without names: every scene but the long ones, which --all adds. Status 1 if a scene failed or a sound has a
 fault (scripts/sound_check.py).
 """
 import argparse
@@ -23,7 +24,7 @@ import report
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 OUT = ROOT / "out"
-MOST_AT_A_TIME = 4  # scenes; each takes up to a gigabyte
+MAX_AT_A_TIME = 4  # scenes; each takes up to a gigabyte
 
 
 def target(need):
@@ -41,7 +42,7 @@ def wait(process):
 
 
 class Work:
-    """The scenes to be made and how far they are. What threads share is guarded by `changed`."""
+    """The scenes to be made and their progress. `changed` guards data shared by threads."""
 
     def __init__(self, names, build, begun, installer=None):
         self.waiting = contents.work_order(names)
@@ -65,7 +66,7 @@ class Work:
         report.write(OUT, coming=[*self.waiting, *self.running], failed=self.failed)
 
     def run_ninja(self, targets, name):
-        """(what the compiler said where it failed, else None; processor seconds)"""
+        """(the compiler's output if it failed, else None; processor seconds)"""
         log = (self.build_folder / "build.log").open("a")
         command = ["nice", "ninja", "-j", str(os.cpu_count() or 1), "-C", self.build_folder, *targets]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -87,10 +88,10 @@ class Work:
         return f"{text[max(text.find('FAILED'), 0):][:6000]}\nninja ended with status {status}", seconds
 
     def build(self):
-        """Of each scene in turn, what it needs."""
+        """Builds the dependencies of each scene in turn."""
         built = set()
         for name in list(self.waiting):
-            if name in self.failed:  # there is nothing to run it with
+            if name in self.failed:  # its dependencies failed
                 break
             began = time.time()
             wanted = [t for t in dict.fromkeys(map(target, contents.needs(name))) if t not in built]
@@ -110,7 +111,8 @@ class Work:
                 self.changed.notify_all()
 
     def install(self):
-        """Waits for the process that installs what scenes run. Where that failed (it has said why), none is made."""
+        """Waits for the process that installs the scenes' runtime packages. If that failed (it has printed
+        why), makes none."""
         status = os.waitpid(self.installer, 0)[1] if self.installer else 0
         with self.changed:
             if status:
@@ -132,7 +134,7 @@ class Work:
 
     def make_scene(self, name):
         """(status, processor seconds) of make_scene.py."""
-        # Two solvers side by side: idle threads of OpenBLAS would wait by spinning.
+        # Two solvers may run at once: idle threads of OpenBLAS would wait by spinning.
         environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
                            PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
         process = subprocess.Popen(["nice", sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,

@@ -14,14 +14,15 @@ A measured block of a Markdown page names the command that prints it:
     | the | table |
     <!-- end of measured -->
 
-`write` runs the first command in the repository's root and puts what it prints between the marks.
-`check` runs the second one (the first, where there is none), which may print a part of the tables:
-of each table that it prints, and of each group of rows with the same first cell, the page must have the
-same rows in the same order, equal but for numbers that differ by no more than the tolerance of their
-column: a number, or a share of the larger one (`20 %`); 0 unless told. {build} and {python} in a command are the build folder and this Python. Without
-FILE all pages under docs/. Ends with status 1 and one line for each difference.
+`write` runs the first command in the repository's root and puts its output between the marks.
+`check` runs the second one (the first, if there is none), which may print only some of the tables.
+For each printed table, and each group of rows with the same first cell, the page must have the
+same rows in the same order, equal except for numbers that differ by at most the tolerance of their
+column: a number, or a fraction of the larger one (`20 %`); the default is 0. {build} and {python} in a
+command are the build folder and this Python. Without FILE all pages under docs/. Status 1 and one line
+for each difference.
 
-Below each table of docs/results stands of what it was measured:
+Below each table of docs/results is a line with the inputs of the measurement:
 
     Inputs at `1a2b3c4d`: `core/reed`, `programs/reed_study`.
 
@@ -118,7 +119,7 @@ def tables_of(text):
 
 
 def agree(committed, fresh, tolerance):
-    """Whether two cells say the same, their numbers within the tolerance."""
+    """Whether two cells are equal, with numbers compared within the tolerance."""
     ours, theirs = (APART.sub(" ", cell) for cell in (committed, fresh))
     if NUMBER.sub("#", ours) != NUMBER.sub("#", theirs):
         return False
@@ -190,7 +191,8 @@ def staleness(lines):
 
 
 def stamp(lines, words, commit):
-    """Writes the commit below the tables whose first row contains a word (all of them where there is none)."""
+    """Writes the commit below the tables whose first row contains one of the words (all tables without
+    words)."""
     for begin, line in stamps_of(lines):
         if line is not None and (not words or any(word in lines[begin] for word in words)):
             lines[line] = re.sub("`[0-9a-f]{8}`", f"`{commit}`", lines[line], count=1)

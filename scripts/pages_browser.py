@@ -1,4 +1,4 @@
-"""Loads every page of make_pages.py in headless Chromium, as a reader's browser does, and says what is broken there."""
+"""Loads every page of make_pages.py in headless Chromium, like a reader's browser, and reports faults."""
 import contextlib
 import json
 import os
@@ -54,7 +54,8 @@ def running(command):
 
 
 def answer_of(process, seconds):
-    """What the probe wrote on the console, None when the time is over or Chromium has ended; and all it said."""
+    """The probe's output on the console, None after a timeout or Chromium's end; and all of Chromium's
+    output."""
     said, end = b"", time.monotonic() + seconds
     while time.monotonic() < end:
         ready, _, _ = select.select([process.stderr], [], [], 1)
@@ -71,7 +72,7 @@ def answer_of(process, seconds):
 
 
 def faults(out, seconds=900):
-    """What Chromium could not show, one line each; an error of its own if it is missing or says nothing."""
+    """What Chromium could not display, one line each; a separate error if it is missing or prints nothing."""
     browser = shutil.which("chromium")
     if not browser:
         return ["--browse: needs Debian's chromium"]

@@ -1,4 +1,4 @@
-"""How the pages of make_pages.py look: one style sheet, light or dark as the reader's system is."""
+"""The style sheet of make_pages.py, light or dark by the reader's system setting."""
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #22303a; --soft: #5c6b75; --line: #d9e0e4; --paper: #fbfcfc; --side: #f0f4f5;

@@ -1,4 +1,4 @@
-"""A player's practice: one [greed~] blown note by note, to learn which breath and lip give what."""
+"""A player's practice: plays one [greed~] note by note, to learn the effect of breath and lip."""
 import numpy
 from harness import Patch
 
@@ -22,7 +22,7 @@ def play(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
     patch = Patch()
     reed = patch.obj("greed~", "-preset", preset, *flags)
     patch.signal(pressure) >> reed[0]
-    # The lip comes first: `tune` chooses the bore for the lip it finds when the note changes.
+    # The lip is set first: `tune` selects the bore for the lip at the time the note changes.
     lip = numpy.repeat([f for _, _, f in trials], size)
     bore = numpy.roll(numpy.repeat([f for f, _, _ in trials], size), 2048)
     bore[:2048] = trials[0][0]
@@ -45,7 +45,7 @@ def pitch_of(sound, expected_hz):
 
 
 def own_settings(preset):
-    """What [greed~ -preset NAME] says of itself: {word: number}, from its dump."""
+    """The dump of [greed~ -preset NAME]: {word: number}."""
     patch = Patch()
     reed = patch.obj("greed~", "-preset", preset)
     patch.log("info", reed[4])
@@ -66,8 +66,8 @@ def plays_its_fundamental(sound, hz):
 
 
 def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)):
-    """A blown-closed reed with `tune 1`: which share of the closing pressure to play at, and how
-    much more breath each pitch needs.
+    """A blown-closed reed with `tune 1`: the ratio to the closing pressure at which to play, and the
+    extra breath that each pitch needs.
 
     Returns (pressure Pa, reed Hz, {pitch: dB}, gain): the lowest of the shares at which every pitch
     speaks within 50 ms, in its first register and within 10 cents, the breath that makes all
@@ -99,11 +99,10 @@ def learn_lips(preset, pitches, frequency, tongue_burst, slowest=100):
     """A valve whose lips go with note and breath (`tune 1`, `breath_ref` above 0), where loudness goes as
     the mouth pressure and every pitch plays from soft to loud.
 
-    Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the preset's breath_ref, how much more
-    or less breath makes all pitches equally loud (5 dB less to 2 dB more), the time that each takes to speak
-    from silence, and the gain with which the loudest peaks at 0.25 in a fortissimo 6 dB above, below the
-    soft clip. RuntimeError when a pitch is out of tune by 10 cents, or takes longer than
-    `slowest` ms."""
+    Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the preset's breath_ref; the change of
+    breath that makes all pitches equally loud (-5 to +2 dB); the time that each takes to speak from silence;
+    and the gain at which the loudest peaks at 0.25 in a fortissimo 6 dB above, below the soft clipping.
+    RuntimeError if a pitch is out of tune by 10 cents, or takes longer than `slowest` ms to speak."""
     own = own_settings(preset)
     pressure = own["breath_ref"]
     pitches = sorted(pitches)

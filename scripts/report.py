@@ -3,8 +3,9 @@
 
 report.py FOLDER
 
-./play calls write() after each scene: sounds to hear first at the top, then the scenes in their sections, those
-still to come by name.
+./play calls write() after each scene: highlighted sounds at the top, then the scenes by section, then the
+names
+of those still to come.
 """
 import html
 import json
@@ -63,8 +64,8 @@ def part(folder, p):
 
 
 def opening(parts):
-    """The indices of what shows without a click: a scene's first two sounds, its first picture, and what is
-    said between."""
+    """The indices of the items shown without a click: a scene's first two sounds, its first picture, and the
+    text between."""
     shown, sounds = [], 0
     for index, p in enumerate(parts):
         sounds += p["kind"] == "sound"
@@ -154,7 +155,8 @@ def page(scenes, coming=(), failed=()):
 
 
 def write(out, coming=(), failed=()):
-    """index.html of a folder, replaced at once. What is to come is not read: it may be half written."""
+    """Writes index.html of a folder, replacing it atomically. Scenes being made are not read: they may be
+    incomplete."""
     scenes = {p.parent.name: json.loads(p.read_text()) for p in pathlib.Path(out).glob("*/scene.json")
               if p.parent.name not in coming}
     new = pathlib.Path(out) / "index.html.new"

@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 """Checks that a recording begins and ends in silence, does not clip and has no clicks.
 
-    sound_check.py FILE.wav...     says what is wrong with which file; status 1 where anything is
+    sound_check.py FILE.wav...     prints the faults of each file; status 1 if there are any
 
-Limits are of full scale, whatever the loudest sample: what is heard is the loudspeaker's step.
+Limits are relative to full scale, not to the loudest sample, since the loudspeaker's step is audible.
 
 Ends    The first millisecond and the last 10 ms stay below -60 dB. (A struck body may be at full level a few
         milliseconds after the beginning; it may not still sound at the end.)
 Clipping  Three or more samples in a row that are equal and the largest of their channel, above -40 dB, or one
-        sample beyond full scale. What limits softly never gives equal samples.
+        sample beyond full scale. A soft limiter never gives equal samples.
 Clicks  A jump of the waveform, above -60 dB, that stands out of the sound around it.
         A jump is a step that its neighbours do not have: from one sample to the next the sound moves further than
         just before and just after, in one direction, by about as much; its height is by how much. (A ramp of two
@@ -40,7 +40,7 @@ def decibels(value):
 
 
 def channels(samples):
-    """Of shape (channels, n), as float64."""
+    """The samples in shape (channels, n), as float64."""
     samples = numpy.asarray(samples, float)
     return samples[None] if samples.ndim == 1 else samples.T
 
@@ -106,7 +106,7 @@ def clipped(channel):
 
 
 def faults(samples, rate):
-    """What is wrong with a recording of shape (n,) or (n, channels): sentences, empty when nothing is."""
+    """The faults of a recording of shape (n,) or (n, channels): sentences, empty if there are none."""
     found = []
     for number, channel in enumerate(channels(samples), 1):
         where = f"channel {number}: " if numpy.ndim(samples) > 1 else ""

@@ -13,7 +13,7 @@ import math
 import random
 import sys
 
-STEP_S = 0.01            # between two readings of the sensors
+STEP_S = 0.01            # interval of the sensors' readings
 BEND_RANGE_CENTS = 200   # of 8192, a controller's usual setting
 ATTACK_S, RELEASE_S = 0.025, 0.03
 VIBRATO_HZ, VIBRATO_DELAY_S = 5.5, 0.35

@@ -11,7 +11,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_LIBRARY_ARCHITECTURE ${triplet})
-# Where the build runs a program of its own.
+# The emulator for programs that the build itself runs.
 find_program(TACTUS_QEMU NAMES qemu-aarch64-static qemu-aarch64)
 if(TACTUS_QEMU)
   set(CMAKE_CROSSCOMPILING_EMULATOR ${TACTUS_QEMU} -L /usr/${triplet})

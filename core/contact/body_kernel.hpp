@@ -39,7 +39,8 @@ struct Steps {
 /// force) at the point in the next step but one is linear in the state z after this step and in the
 /// force F of the next one:
 ///     next_mean_real . Re z + next_mean_imaginary . Im z + next_mobility F.
-/// The sum over modes can so be computed a step ahead, and a force need not wait for it.
+/// The sum over the modes is therefore computed one step ahead, so that the force need not wait for
+/// it.
 struct PointView {
   const double* shape;                                                ///< g, over sqrt(m)
   const double *response_at_point_real, *response_at_point_imaginary; ///< g B

@@ -9,7 +9,7 @@ namespace tactus::contact {
 
 /// Contacts divided into islands, the connected components of the graph in which two contacts are
 /// neighbours if they share a mode. No force of one island moves a mode of another, so each island
-/// can be solved by itself.
+/// can be solved separately.
 class Islands {
 public:
   /// Ranges of one island's contacts and modes in the lists of all.

@@ -47,7 +47,8 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
     exciters_[i].noise.seed(i + 1);
 }
 
-/// What is kept of the body's arrays points into this object, and in a copy into another.
+/// Sets the views of the body's arrays. They are pointers: in a copied object they would still
+/// point into the original.
 void ExcitedBody::update_views() noexcept {
   all_modes_ = view(0, 0, body_.padded());
   order_stale_ = true;

@@ -23,7 +23,8 @@ namespace tactus::contact {
 ///
 /// Contacts near the surface are divided into islands that share no mode (Islands). Separate bodies
 /// in one list of modes are islands, as are bodies that do not touch at the moment. Each island is
-/// solved by itself, in steps of its own length. Modes that no contact moves advance once a sample.
+/// solved separately, in steps of its own length. Modes that no contact moves advance once a
+/// sample.
 ///
 /// All contacts of an island's step are solved together (ContactSystem); friction's second stage
 /// solves once more. The system has one unknown per contact, or one per mode if there are fewer
@@ -44,7 +45,7 @@ public:
   explicit ExcitedBody(std::size_t max_modes, std::size_t exciters = 1, std::size_t pickups = 1,
                        simd::VectorSet widest = simd::kWidest);
 
-  /// Sets the sample rate in Hz. The vibration of the body goes on.
+  /// Sets the sample rate in Hz. A vibration of the body continues.
   void prepare(double sample_rate) noexcept;
 
   /// Sets the modes. Each mode keeps its energy, and each mass its distance from the surface.

@@ -57,7 +57,7 @@ struct ContactTerm {
   }
 };
 
-/// What excites a body at one contact point: nothing, a mass that strikes it, or a surface that
+/// The excitation of a body at one contact point: none, a mass that strikes it, or a surface that
 /// rubs it.
 struct Exciter {
   enum class Kind { kNone, kImpact, kFriction };

@@ -136,7 +136,8 @@ private:
                                  t2 * (1.5403530393381609e-4 + t * 1.5252733804059840e-5)));
   }
   static constexpr double kMinNormalForce = 1e-12; ///< N; no friction below it
-  static constexpr double kTangentReach = 0.2;     ///< change of ratio_ within which it is used
+  static constexpr double kTangentReach = 0.2;     ///< largest change of ratio_ for which the
+                                                   ///< tangent is used
   static constexpr double kUnsetRatio = 1e300;     ///< ratio_ before the first evaluation
   static constexpr double kMinSpeed =
       1e-4; ///< m/s; bounds the viscosity of a rough contact at rest

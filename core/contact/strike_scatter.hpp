@@ -10,14 +10,15 @@
 
 namespace tactus::contact {
 
-/// How a strike misses what its striker meant: a hand neither aims nor swings twice alike.
+/// Random deviation of a strike from the intended one, as of a human player.
 ///
-/// Each number is normal, redrawn beyond twice its standard deviation. At variation 1 that is:
-/// - of the speed's logarithm 0.12 (1 dB), between a drummer's even strokes and a beginner's;
-/// - of the direction 4 degrees about each axis across it;
-/// - of the point, along each of two axes of the surface, 1/40 of the body's largest extent, at
-///   most 8 mm: who aims at a target W wide scatters by W / 4.13 (Fitts' law with effective widths,
-///   ISO 9241-411), and a player means a tenth of the body.
+/// Each number is normally distributed and redrawn beyond two standard deviations. The standard
+/// deviations at variation 1:
+/// - logarithm of the speed: 0.12 (1 dB), between a drummer's even strokes and a beginner's;
+/// - direction: 4 degrees about each of the two axes across it;
+/// - point: 1/40 of the body's largest extent along each of two axes of the surface, at most 8 mm.
+///   Aimed hits on a target of width W have the standard deviation W / 4.13 (Fitts' law with
+///   effective widths, ISO 9241-411); W is taken as a tenth of the body.
 struct StrikeScatter {
   static constexpr double kSpeedSpread = 0.12;
   static constexpr double kAngleSpread = 4 * std::numbers::pi / 180;           // rad
@@ -26,7 +27,7 @@ struct StrikeScatter {
   double speed_factor = 1;
   std::array<double, 2> tilt_rad{}, offset_m{};
 
-  /// `extent_m`: of the body.
+  /// `extent_m`: largest extent of the body.
   [[nodiscard]] static StrikeScatter draw(double variation, double extent_m,
                                           Random& random) noexcept {
     const auto within_two = [&random] {

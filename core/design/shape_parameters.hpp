@@ -16,7 +16,7 @@ struct DesignParameter {
   double low_m = 0, high_m = 0; ///< of its displacement; low <= 0 <= high
 };
 
-/// What a part's shape depends on in a table that holds derivatives with respect to it.
+/// The shape parameters of a table that holds derivatives with respect to them.
 struct ShapeParameters {
   std::vector<DesignParameter> parameters;
   std::vector<Vec3> control_point_m; ///< of the undeformed part

@@ -6,19 +6,19 @@
 
 namespace tactus {
 
-/// Joins the steps of a position that is held between its readings (an encoder behind a servo, a
-/// mouse) by straight lines, so that no step within a sample counts as a velocity.
+/// Joins the steps of a sampled-and-held position (an encoder read by a servo, a mouse) by straight
+/// lines, so that a step from one sample to the next does not appear as a velocity peak.
 ///
-/// A value that has been held for n samples is left over n samples: the result is late by one
-/// reading. A signal that changes every sample passes as it is. Beyond kLongest nothing tells
-/// readings from rest, so that the first reading of a hand that moves off is left slowly. What is
-/// behind then is not made up by haste: the line is no faster than the hand was between this
-/// reading and the last, or that and the one before, and late by up to one reading more.
+/// A value that was held for n samples is connected to the next reading by a line of n samples, so
+/// that the result is late by one reading. A signal that changes every sample passes unchanged. A
+/// hold longer than kLongest counts as rest, so the line to the first reading after it takes
+/// kLongest. The remaining lag is not made up by a fast catch-up: the line is no faster than the
+/// larger of the last two speeds between readings, which adds a delay of at most one more reading.
 class JoinedSteps {
 public:
   static constexpr double kLongest = 0.05; ///< s
 
-  /// Sample rate in Hz. The next value is taken as it is.
+  /// Sample rate in Hz. The next value passes unchanged.
   void prepare(double sample_rate) noexcept {
     longest_ = std::max(1, static_cast<int>(kLongest * sample_rate));
     reset();
@@ -53,10 +53,10 @@ public:
   }
 
 private:
-  int longest_ = 1, held_ = 1; // samples: the most, of the present value
-  float left_ = 0;             // of the line
+  int longest_ = 1, held_ = 1; // samples: kLongest, age of the present reading
+  float left_ = 0;             // samples until the end of the line
   float target_ = 0, value_ = 0, step_ = 0;
-  float last_speed_ = 0; // between the last two readings, a sample
+  float last_speed_ = 0; // between the last two readings, per sample
   bool first_ = true;    // no reading yet
 };
 

@@ -5,11 +5,11 @@
 
 namespace tactus {
 
-/// Joins a sound to what takes its place at once, without a click: the jump of the value fades
-/// along half a cosine of kTime, and that of the slope, which is known one sample later, within
-/// kSlopeTime:
+/// Joins a sound to the one that replaces it abruptly, without a click. The jump of the value fades
+/// along half a cosine of length kTime. The jump of the slope, which is known one sample later,
+/// fades within kSlopeTime:
 ///     y = x + a w(n) + b n exp(-n/slope),   w = (1 + cos(pi n/length))/2.
-/// Without a cut the samples pass as they are.
+/// Without a cut the samples pass unchanged.
 class Seam {
 public:
   static constexpr double kTime = 0.005, kSlopeTime = 0.0005; // s
@@ -18,7 +18,7 @@ public:
     length_ = kTime * sample_rate;
     slope_ = kSlopeTime * sample_rate;
   }
-  /// What follows belongs to another sound.
+  /// The next samples belong to another sound.
   void cut() noexcept {
     if (sounds())
       age_ = 0;
@@ -50,7 +50,7 @@ private:
 
   double length_ = 240, slope_ = 24; // samples
   int age_ = -1;                     // samples since the cut; below 0: none
-  double last_ = 0, before_ = 0;     // that went out
+  double last_ = 0, before_ = 0;     // the last two outputs
   double jump_ = 0, bend_ = 0;
 };
 

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// No more of the intrinsics than the compiler may use here: <immintrin.h> takes it half a second.
+// Includes only the intrinsics that the compiler may use here: all of <immintrin.h> takes it half a
+// second.
 #if defined(__AVX__)
 #include <immintrin.h>
 #elif defined(__SSE2__)

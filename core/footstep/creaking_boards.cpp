@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kReferenceRate = 10; // reference weights a second
 constexpr double kWobbleTime = 0.02;  // s
-// s, in which a joint can open, longer than a foot takes but for the peak of its impact: opened in
-// one sample it would let the bent boards go with a bang.
+// s, fastest opening of the joint: slower than a foot unloads, apart from the peak of its impact. A
+// joint that opened within one sample would release the bent boards with a bang.
 constexpr double kUnloadingTime = 0.05;
 constexpr double kSilenceTime = 0.06; // s without sound after which the boards rest
 constexpr double kInaudible = 1e-6;   // of the peak
@@ -65,7 +65,7 @@ void CreakingBoards::draw_contact_position(const FrictionRecipe& friction) noexc
 
 double CreakingBoards::next(const FrictionRecipe& friction, double load, double bending) noexcept {
   const double slowest = load_ - unloading_ * peak_load_;
-  if (load < slowest) // nobody lifts a foot so fast: the bending goes with the load, too
+  if (load < slowest) // no foot unloads so fast: limits the rate of the bending as well
     bending = bending_ * slowest / load_;
   load_ = std::max(load, slowest);
   bending_ = bending;

@@ -27,13 +27,13 @@ public:
   /// stays.
   void scale_modes(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
                    double decay) noexcept;
-  /// Draws a new contact point of the joint, and a factor on its bending speed.
+  /// Draws a new contact point of the joint and a new factor on its bending speed.
   void draw_contact_position(const FrictionRecipe& friction) noexcept;
 
   /// Advances by a sample. Returns the velocity at the pickup, m/s. `load`: on the floor, reference
   /// weights. `bending`: rate of the load that bends the floor, reference weights a second;
-  /// negative while it springs back. The joint opens within 50 ms at the
-  /// fastest, however the load is taken away.
+  /// negative while the floor springs back. The joint takes at least 50 ms to open, however fast
+  /// the load falls.
   double next(const FrictionRecipe& friction, double load, double bending) noexcept;
   [[nodiscard]] bool active() const noexcept { return active_; }
 

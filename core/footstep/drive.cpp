@@ -14,7 +14,7 @@ constexpr double kRingOutTime = 2; // s; band and equaliser decay by 60 dB in a 
 constexpr double kDcCutoffHz = 2;  // the elliptic band alone passes a hundredth of a constant
 constexpr double kSilenceThreshold = 1e-30;
 
-/// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
+/// A pair of poles and a pair of zeros of the analogue low-pass, normalised to a -3 dB point at 1.
 struct Pair {
   double zero, pole_squared, pole_over_q;
 };
@@ -58,7 +58,7 @@ HeelBall HapticBand::next(HeelBall x) noexcept {
   x -= dc_;
   for (std::size_t i = 0; i < kSections; ++i)
     x = filtered(section_[i], state_[i], x);
-  // Long tails end before they become denormal.
+  // Sets decayed states to 0 before they become denormal.
   for (std::size_t side = 0; side < 2; ++side)
     if (std::abs(x[side]) < kSilenceThreshold && std::abs(state_[0].s1[side]) < kSilenceThreshold &&
         std::abs(dc_[side]) < kSilenceThreshold) {
@@ -69,12 +69,12 @@ HeelBall HapticBand::next(HeelBall x) noexcept {
   return x;
 }
 
-void DriveEqualiser::prepare(double sample_rate) noexcept {
+void ActuatorEqualiser::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   compute_coefficients();
 }
 
-bool DriveEqualiser::set(std::span<const double> table) noexcept {
+bool ActuatorEqualiser::set(std::span<const double> table) noexcept {
   const std::size_t count = table.size() / 2;
   if (table.size() % 2 || count > kMaxFilters)
     return false;
@@ -92,7 +92,7 @@ bool DriveEqualiser::set(std::span<const double> table) noexcept {
   return true;
 }
 
-void DriveEqualiser::compute_coefficients() noexcept {
+void ActuatorEqualiser::compute_coefficients() noexcept {
   constexpr double kQuality = 1.4;
   constexpr int kRounds = 40;
   std::array<double, kMaxFilters> gain_db = target_db_;
@@ -105,7 +105,8 @@ void DriveEqualiser::compute_coefficients() noexcept {
   };
   for (std::size_t i = 0; i < count_; ++i)
     peaking(i);
-  // Neighbouring filters overlap: corrects each by the error of the whole at its frequency.
+  // Neighbouring filters overlap: corrects each gain by the error of the whole response at its
+  // frequency.
   for (int round = 0; round < kRounds; ++round) {
     std::array<double, kMaxFilters> missing{};
     for (std::size_t i = 0; i < count_; ++i) {
@@ -125,7 +126,7 @@ void DriveEqualiser::compute_coefficients() noexcept {
   }
 }
 
-double DriveEqualiser::next(double x) noexcept {
+double ActuatorEqualiser::next(double x) noexcept {
   for (std::size_t i = 0; i < count_; ++i)
     x = filtered(section_[i], state_[i], x);
   return x;
@@ -143,13 +144,13 @@ double PeakLimit::next(double x, double limit) noexcept {
   return std::clamp(x * gain_, -limit, limit);
 }
 
-void Drive::Channel::reset() noexcept {
+void ActuatorSignals::Channel::reset() noexcept {
   equaliser.reset();
   limit.reset();
   std::fill(line.begin(), line.end(), 0.0);
 }
 
-double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcept {
+double ActuatorSignals::Channel::next(double x, std::size_t at, std::size_t delay) noexcept {
   x = equaliser.next(x);
   if (delay == 0 || line.empty())
     return x;
@@ -157,7 +158,7 @@ double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcep
   return line[at >= delay ? at - delay : at + line.size() - delay];
 }
 
-void Drive::prepare(double sample_rate) {
+void ActuatorSignals::prepare(double sample_rate) {
   const bool changed = sample_rate != sample_rate_ || channel_[0].line.empty();
   sample_rate_ = sample_rate;
   ring_out_samples_ = static_cast<std::size_t>((kRingOutTime + kMaxDelay) * sample_rate);
@@ -173,7 +174,7 @@ void Drive::prepare(double sample_rate) {
   set(settings_);
 }
 
-void Drive::set(const Settings& settings) noexcept {
+void ActuatorSignals::set(const Settings& settings) noexcept {
   settings_ = settings;
   settings_.sensitivity_g = std::max(settings.sensitivity_g, 1e-3);
   settings_.common = std::clamp(settings.common, 0.0, 1.0);
@@ -186,19 +187,19 @@ void Drive::set(const Settings& settings) noexcept {
   delay_ = delay;
 }
 
-bool Drive::equalise(std::span<const double> table) noexcept {
+bool ActuatorSignals::equalise(std::span<const double> table) noexcept {
   return channel_[0].equaliser.set(table) && channel_[1].equaliser.set(table);
 }
 
-void Drive::reset() noexcept {
+void ActuatorSignals::reset() noexcept {
   band_.reset();
   for (Channel& channel : channel_)
     channel.reset();
   last_heel_n_ = last_total_n_ = 1;
 }
 
-Drive::Pair Drive::next(double heel_vibration, double ball_vibration, double heel_n,
-                        double ball_n) noexcept {
+ActuatorSignals::Pair ActuatorSignals::next(double heel_vibration, double ball_vibration,
+                                            double heel_n, double ball_n) noexcept {
   const double total = heel_n + ball_n;
   if (total > 0) {
     last_heel_n_ = heel_n;

@@ -39,7 +39,7 @@ private:
 };
 
 /// Equalises an actuator's frequency response by up to 16 peaking filters about an octave wide.
-class DriveEqualiser {
+class ActuatorEqualiser {
 public:
   static constexpr std::size_t kMaxFilters = 16;
   void prepare(double sample_rate) noexcept;
@@ -77,22 +77,22 @@ private:
 };
 
 /// Signals for the two actuators of one sandal from the vibration under heel and ball: band-pass,
-/// equaliser, delay and limiter. Each actuator plays the vibration under it. The share `common` is
-/// the vibration of the whole foot, divided between both by their forces (Nordahl et al. 2010 drive
-/// both with one signal).
-class Drive {
+/// equaliser, delay and limiter. Each actuator gets the vibration under it. The share `common` of
+/// the signal is the vibration of the whole foot, divided between both actuators in proportion to
+/// the forces (Nordahl et al. 2010 feed one signal to both).
+class ActuatorSignals {
 public:
   static constexpr double kMaxDelay = 0.2; ///< s
   struct Settings {
-    double gain = 1;          ///< drive per vibration
-    double sensitivity_g = 3; ///< acceleration at a drive of 1, g
+    double gain = 1;          ///< signal per vibration
+    double sensitivity_g = 3; ///< acceleration at a signal of 1, g
     double limit_g = 3;       ///< largest acceleration, g
     double delay_s = 0;       ///< 0..kMaxDelay
     double common = 0;        ///< 0..1
   };
   void prepare(double sample_rate); ///< may allocate
   void set(const Settings& settings) noexcept;
-  /// DriveEqualiser::set() of both actuators.
+  /// ActuatorEqualiser::set() of both actuators.
   bool equalise(std::span<const double> table) noexcept;
   void reset() noexcept;
 
@@ -106,7 +106,7 @@ public:
 private:
   /// Signal path of one actuator.
   struct Channel {
-    DriveEqualiser equaliser;
+    ActuatorEqualiser equaliser;
     PeakLimit limit;
     std::vector<double> line;
     void reset() noexcept;

@@ -10,7 +10,8 @@ namespace tactus::footstep {
 namespace {
 
 constexpr double kMixTime = 0.02;  // s, time constant of a change of the mixture
-constexpr double kLeaveTime = 0.3; // s, time constant of the fade of a ground that is left
+constexpr double kLeaveTime = 0.3; // s, time constant of the fade of a ground that the foot has
+                                   // left
 constexpr double kCutTime = 0.005; // s, fade of a ground that loses its slot
 constexpr double kGainThreshold = 1e-5;
 
@@ -63,8 +64,8 @@ void Foot::reset() noexcept {
 
 Foot::GroundSlot* Foot::acquire_slot(std::uint64_t id, const Recipe& recipe,
                                      const GroundSlot* keep) noexcept {
-  // The slot with this id, else a free one, else the one left longest ago. kGrounds exceeds the two
-  // in use and the one to keep, so one is always found.
+  // The slot with this id, else a free one, else the one that was left longest ago. kGrounds
+  // exceeds the two in use and the one to keep, so a slot is always found.
   std::size_t best = 0;
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t i = 0; i < kGrounds; ++i) {
@@ -159,7 +160,7 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
         slot.id = 0;
         active_[i--] = active_[--active_count_];
       } else if (!slot.ground.silent()) {
-        slot.ground.reset(); // or what rings now would ring on when the mix comes back
+        slot.ground.reset(); // else its sound would continue when the mix returns to it
       }
       continue;
     }
@@ -171,7 +172,7 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
                   slot.gain);
     sum.add(slot.last, 1);
   }
-  const Drive::Pair pair =
+  const ActuatorSignals::Pair pair =
       drive_.next(sum.heel_vibration, sum.ball_vibration, sole.heel_n, sole.ball_n);
   return {sum.pressure_pa + room_.next(room_factor_ * sum.reverb_send), pair.heel, pair.ball};
 }

@@ -12,9 +12,9 @@
 
 namespace tactus::footstep {
 
-/// One foot: SoleState in, sound pressure and the two drive signals out. The foot stands on a
-/// mixture of up to two grounds. A ground that it leaves decays and fades out. The rooms of two
-/// grounds are mixed in the same way.
+/// One foot: SoleState in, sound pressure and the two actuator signals out. The foot stands on a
+/// mixture of up to two grounds. The sound of a ground that it leaves decays and fades out. The
+/// rooms of the two grounds are mixed in the same proportion.
 class Foot {
 public:
   Foot();
@@ -31,7 +31,7 @@ public:
   void set_grounds(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
                    double mix) noexcept;
   void set_mix(double mix) noexcept;
-  Drive& drive() noexcept { return drive_; }
+  ActuatorSignals& drive() noexcept { return drive_; }
   void reset() noexcept;
 
   struct Out {
@@ -41,7 +41,7 @@ public:
 
 private:
   static constexpr std::size_t kGrounds = 4;
-  /// Vibration and pressure of grounds, and what goes to the room.
+  /// Vibration and pressure of the grounds, and the input of the room.
   struct Sum {
     double heel_vibration = 0, ball_vibration = 0, pressure_pa = 0, reverb_send = 0;
     void add(const Sum& other, double gain) noexcept {
@@ -71,9 +71,9 @@ private:
          leave_coefficient_ = 0.0001;
   double room_factor_ = 1;
   std::uint64_t clock_ = 0;
-  Sum cut_; ///< last sample of grounds that lost their slot, fading out
+  Sum cut_; ///< last sample of the grounds that lost their slots; fades out
   double cut_gain_ = 0, cut_step_ = 0.004;
-  Drive drive_;
+  ActuatorSignals drive_;
   Room room_;
 };
 

@@ -14,13 +14,13 @@ constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kReferenceLandingSpeed = 0.5; // m/s
 // Landings and slopes are clamped to the range of human walkers.
 constexpr double kMaxLandingSpeed = 4, kMaxLoadRate = 200; // m/s, reference weights a second
-// Share of the rise and of the fall of the load that bends the boards before the joint is free.
+// Shares of the rise and of the fall of the load that bend the boards before the joint is free.
 constexpr double kBending = 0.8, kSpringBack = 0.2;
 constexpr double kMinWeight = 1e-3, kMaxWeight = 20; // reference weights
 
 /// Energy that a landing gives to the particles, before the recipe's factor `heel` or `ball`. The
-/// sound of a cloud of energy E has the power ~ E^2 (event rate ~ E, event energies ~ E). It shall
-/// be a fixed share of the landing's energy ~ m v^2, so E ~ sqrt(m) v.
+/// sound of a cloud of energy E has the power ~ E^2 (event rate ~ E, event energies ~ E). This
+/// power should be a fixed share of the landing's energy ~ m v^2, so E ~ sqrt(m) v.
 double landing_energy(double weight, double speed) noexcept {
   return std::sqrt(weight) * std::min(speed, kMaxLandingSpeed) / kReferenceLandingSpeed;
 }

@@ -36,7 +36,8 @@ public:
   void reset() noexcept;
 
   struct Sound {
-    double heel_vibration = 0, ball_vibration = 0; ///< vibration under each, for the drives
+    double heel_vibration = 0, ball_vibration = 0; ///< vibration under each part, for the actuator
+                                                   ///< signals
     double pressure_pa = 0; ///< sound pressure: high-pass of their sum at radiation_hz
   };
   /// One sample.
@@ -57,7 +58,7 @@ private:
   };
   void begin_step_variation() noexcept;
   void draw_contact_positions() noexcept;
-  // One sample of each kind of source, added to `vibration`. False: the source is silent.
+  // One sample of each kind of source, added to `vibration`. Return false if the source is silent.
   [[nodiscard]] bool add_floor(const SoleState& sole, Vibration& vibration) noexcept;
   [[nodiscard]] bool add_boards(const Load& load, Vibration& vibration) noexcept;
   [[nodiscard]] bool add_particles(const SoleState& sole, const Load& load,

@@ -15,9 +15,9 @@ constexpr double kDefaultSpeed = 1.4;      // m/s
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
 constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 ms at 1.4 m/s
 constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
-constexpr double kMinSprint = 6; // m/s, from where runners land on the ball
+constexpr double kMinSprint = 6; // m/s, above which runners land on the ball
 
-// Effective masses behind a landing, parts of the body's (docs/theory/footstep.md).
+// Effective masses behind a landing, as shares of the body's mass (docs/theory/footstep.md).
 constexpr double kHeelWalking = 0.063, kHeelRunning = 0.053, kHeelCrouched = 0.037;
 constexpr double kBallFirst = 0.017, kFoot = 0.0145;
 

@@ -7,7 +7,7 @@ namespace tactus::footstep {
 /// Styles of walking.
 enum class Style { kWalk, kRun, kSneak, kUpstairs, kDownstairs };
 
-/// m/s^2, between a walker's weight and mass.
+/// Relates a walker's weight to the mass, m/s^2.
 inline constexpr double kGravity = 9.81;
 
 /// A walking person.
@@ -21,7 +21,8 @@ struct Walker {
 /// The landing of one part of the sole: half a sine of force, kImpactTime long, stops the effective
 /// mass behind it. The impulse of the force is mass * speed.
 struct Landing {
-  static constexpr double kImpactTime = 0.03; ///< s, half a period of a heel pad under that mass
+  static constexpr double kImpactTime = 0.03; ///< s, half a period of a heel pad loaded with that
+                                              ///< mass
   double at = 0;                              ///< time, as a share of the stance
   double speed_m_per_s = 0;                   ///< downwards
   double mass = 0;                            ///< effective mass, as a share of the body's

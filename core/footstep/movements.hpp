@@ -34,7 +34,7 @@ struct FootfallPair {
 /// first flight.
 [[nodiscard]] FootfallPair set_off(const GroundReaction& reaction) noexcept;
 
-/// From walking to standing: feet[0] lands with the last step and stays; feet[1] shall land beside
+/// From walking to standing: feet[0] lands with the last step and stays; feet[1] has to land beside
 /// it `next_start_s` later and stays too. Then each carries half of the weight.
 [[nodiscard]] FootfallPair halt(const GroundReaction& reaction) noexcept;
 

@@ -79,10 +79,10 @@ struct CloudRecipe {
 
 struct Recipe {
   double level = 1;         ///< of all sections: sound pressure at the walker's head, Pa
-  double felt = 2;          ///< gain of the drives, 1/Pa
-  double felt_ball = 1;     ///< factor on the gain of the ball's drive
-  double radiation_hz = 40; ///< high-pass of the sound, not of the drives: radiation of the floor
-  /// As Scatter, but common to all sections: wetter or firmer ground, another way to land.
+  double felt = 2;          ///< gain of the actuator signals, 1/Pa
+  double felt_ball = 1;     ///< factor on the gain of the ball's actuator signal
+  double radiation_hz = 40; ///< high-pass of the sound only: radiation of the floor
+  /// As Scatter, but common to all sections: a wetter or firmer spot, a different landing.
   double vary_frequency = 0, vary_decay = 0;
   SolidRecipe solid;
   FrictionRecipe friction;

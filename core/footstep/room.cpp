@@ -51,7 +51,7 @@ void Room::set(const Settings& settings) noexcept {
     pole_[i] = pole_for(gain_[i], w);
     mean += gain_[i] * gain_[i] / kLines;
   }
-  // Each pass of an impulse through the lines leaves the share `mean` of its energy, so the output
+  // Each pass of an impulse through the delays leaves the share `mean` of its energy, so the output
   // energy is mean + mean^2 + ...
   const double level_db = clamped(settings.level_db, kMinLevel, 40);
   level_ = level_db > kMinLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;

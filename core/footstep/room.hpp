@@ -8,7 +8,7 @@ namespace tactus::footstep {
 
 /// Reverberation of a room: a feedback delay network of eight delays of 7 to 29 ms (paths of 2.4 to
 /// 10 m) with an orthogonal feedback matrix (Stautner & Puckette 1982; Jot & Chaigne 1991).
-/// Every line decays by 60 dB in t60, and in half of that at `bright_hz`, by a one-pole filter.
+/// Every delay decays by 60 dB in t60, and in half of that at `bright_hz`, by a one-pole filter.
 /// The level is the energy of the reverberation over that of the direct sound. In a diffuse field
 /// it is (r / r_c)^2 at the distance r, r_c the critical distance (Kuttruff, Room Acoustics, ch.
 /// 5).
@@ -42,9 +42,9 @@ private:
   double sample_rate_ = 48000;
   double level_ = 0;
   long ring_out_samples_ = 0; ///< samples in which a sound decays by 90 dB
-  long ring_out_left_ = 0;    ///< samples until the present sound has
+  long ring_out_left_ = 0;    ///< samples until the present sound has decayed
   std::array<Line, kLines> lines_;
-  std::array<double, kLines> gain_{}, pole_{}, filter_state_{}; ///< of each line's filter
+  std::array<double, kLines> gain_{}, pole_{}, filter_state_{}; ///< of each delay's filter
 };
 
 } // namespace tactus::footstep

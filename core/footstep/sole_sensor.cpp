@@ -16,14 +16,18 @@ constexpr double kFloor = 0.03, kNoise = 0.2;                        // s, time 
 constexpr double kOn = 0.05, kOff = 0.025;                           // of the weight
 constexpr double kMaxBaselineDrop = 0.02;                            // of the weight
 constexpr double kTouch = 0.0015, kMaxTouchThreshold = 0.08;         // of the weight
-constexpr double kDeviations = 7;                                    // of noise that is no touch
-constexpr double kMinNoiseWeight = 0.1;                              // 20 ms in the air
+constexpr double kDeviations = 7;                                    // standard deviations of the
+                                                                     // noise below which a rise is
+                                                                     // no touch
+constexpr double kMinNoiseWeight = 0.1;                              // reached after 20 ms in the
+                                                                     // air
 constexpr double kMaxLightTouch = 0.5;                               // s
 constexpr double kMinStance = 0.08, kMinSwing = 0.06;                // s
 constexpr double kMaxSwing = 0.4; // s, after which a foot might be put down slowly
 constexpr double kStepSlope = 1;  // weights a second, of the slowest step
 constexpr double kMaxCrosstalk = 0.08,
-                 kCrosstalkTime = 20;              // of the other's force; s until forgotten
+                 kCrosstalkTime = 20;              // share of the other's force; s until it is
+                                                   // forgotten
 constexpr double kRest = 0.125;                    // of the peak
 constexpr double kMaxFallTime = 0.2;               // s, from half of the peak to kRest
 constexpr double kStill = 0.005;                   // of the weight, in 30 ms
@@ -35,8 +39,8 @@ constexpr double kMinSensedSpeed = 0.02, kMaxSensedSpeed = 2; // m/s
 constexpr double kStiffening = 1.5;                           // F ~ x^kStiffening
 constexpr double kMaxForce = 1e5;                             // N
 
-/// Typical landing speed, m/s, and slope, weights a second: of a heel that lands first and of a
-/// part that follows, walking at 1.4 m/s in usual shoes; of a ball that lands first, as on stairs.
+/// Typical landing speed, m/s, and slope, weights a second, walking at 1.4 m/s in usual shoes: of a
+/// heel that lands first; of a ball that lands first, as on stairs; of the part that lands second.
 struct TypicalLanding {
   double speed, slope;
 };
@@ -123,7 +127,8 @@ void SoleChannel::next(double force_n, Follow follow, double weight_n, bool free
   s2_ = b2_ * x - a2_ * y;
   reading_ = y;
   delayed_ += floor_coefficient_ * (y - delayed_);
-  // The baseline follows lower readings at once, in a swing however far.
+  // The baseline follows lower readings at once: by up to kMaxBaselineDrop below zero, without
+  // limit in a swing whose reading is still.
   const bool still = std::abs(change()) < kStill * weight_n + touch_threshold_n;
   const double lowest = follow == Follow::kSwing && still
                             ? y
@@ -152,7 +157,7 @@ void SoleChannel::next(double force_n, Follow follow, double weight_n, bool free
   window_[write_index_] = force_;
   if (++write_index_ == length)
     write_index_ = 0;
-  // Every sample of the window becomes one sample older.
+  // Every sample in the window becomes one sample older.
   index_weighted_sum_ += oldest - sum_ + static_cast<double>(length - 1) * force_;
   sum_ += force_ - oldest;
   if (write_index_ == 0)
@@ -193,7 +198,7 @@ void SoleSensor::watch_jump(Region& region, double force_n) noexcept {
     region.jump_s = 0;
   }
   region.jump_s += step_s_;
-  // A slow sensor's force goes on changing.
+  // A contact that a slow sensor reads continues to change, so it is no jump.
   if (std::abs(force_n - region.jump_n) > kJumpChange * weight_n_)
     region.jump_s = -1;
 }
@@ -202,8 +207,8 @@ bool SoleSensor::lands(Region& region, const Region& other, double& landing) noe
   SoleChannel& channel = region.channel;
   const double noise_n = region.touch_threshold_n;
   const double other_n = std::max(other.channel.change(), 0.0);
-  // The smallest part of a force that comes under the other region: what comes under this one as
-  // well is more.
+  // Estimates the crosstalk as the smallest ratio of the rise here to the force under the other
+  // region. A larger ratio also contains a load of this region.
   region.crosstalk += (kMaxCrosstalk - region.crosstalk) * step_s_ / kCrosstalkTime;
   if (other_n > kFirm * weight_n_ && channel.rise() >= 0)
     region.crosstalk =
@@ -215,11 +220,11 @@ bool SoleSensor::lands(Region& region, const Region& other, double& landing) noe
     region.touch_threshold_n = channel.touch_threshold_n(weight_n_);
   if (region.since_s < kMinSwing)
     return false;
-  if (region.jump_s >= 0) { // undecided for a while; then a sensor that was plugged in
+  if (region.jump_s >= 0) { // undecided until kMaxJumpTime; then it is a sensor that was plugged in
     region.loaded = region.down = region.jump_s > kMaxJumpTime;
     return region.down;
   }
-  // A firm contact exceeds the noise early, so there is time to measure its slope for longer.
+  // A firm contact exceeds the noise early, which leaves more time to measure its slope.
   const double rise_time = rise_n > kFirm * weight_n_ ? kFirmRiseTime : kRiseTime;
   const double on_n = kOn * weight_n_ + noise_n + region.crosstalk * other.channel.force();
   if (region.contact_s < rise_time && !(channel.force() > on_n && region.contact_s == 0))
@@ -255,8 +260,8 @@ bool SoleSensor::lifts(Region& region, const Region& other) noexcept {
     channel.rebase();
     return true;
   }
-  // A stance ends at kOff. A light touch ends below half of its threshold, or after
-  // kMaxLightTouch, when it is taken for the pressure of the shoe itself.
+  // A stance ends at kOff. A light touch ends below half of its threshold, or after kMaxLightTouch,
+  // from which on it counts as the pressure of the shoe itself.
   return region.loaded
              ? level < kOff + region.crosstalk * other.channel.force() / weight_n_
              : channel.rise() < 0.5 * region.touch_threshold_n || region.since_s > kMaxLightTouch;

@@ -31,11 +31,13 @@ class SoleChannel {
 public:
   void prepare(double sample_rate); ///< may allocate
   void reset() noexcept;
-  /// How the baseline may follow higher readings: in stance not; in the air as slowly as sensors
-  /// drift, until a landing shows whether that was a load (keep_baseline()); in a swing freely.
+  /// How the baseline may follow higher readings. In stance: not at all. In the air: as slowly as
+  /// sensors drift, until a landing decides whether the rise was a load (keep_baseline()). In a
+  /// swing: freely.
   enum class Follow { kStance, kAir, kSwing };
-  /// One sample, force_n in N. `free`: this part is in the air, so floor and noise are updated;
-  /// rises above touch_threshold_n, and the share of the other part's force, do not count as noise.
+  /// One sample, force_n in N. `free`: this region is in the air, so floor and noise are updated.
+  /// Rises above touch_threshold_n, and the share of the other region's force, do not count as
+  /// noise.
   void next(double force_n, Follow follow, double weight_n, bool free = false,
             double touch_threshold_n = 20, double crosstalk_n = 0) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N
@@ -44,14 +46,15 @@ public:
   [[nodiscard]] double rise() const noexcept { return rise_; }
   /// Change of the reading within 30 ms, N.
   [[nodiscard]] double change() const noexcept { return reading_ - delayed_; }
-  /// Rise that noise does not reach, N: seven standard deviations, clamped to 0.15..8 % of the
+  /// Rise that noise does not exceed, N: seven standard deviations, clamped to 0.15..8 % of the
   /// weight.
   [[nodiscard]] double touch_threshold_n(double weight_n) const noexcept;
   /// Makes the current reading the floor.
   void rebase_floor() noexcept { floor_ += rise_; }
   /// Makes the current reading the baseline.
   void rebase() noexcept { baseline_ = known_baseline_ = reading_; }
-  /// At a landing. False: it was so slow that the rise before it was load, not drift.
+  /// At a landing. `keep` false: the landing was so slow that the rise before it was load, not
+  /// drift.
   void keep_baseline(bool keep) noexcept {
     if (keep)
       known_baseline_ = baseline_;
@@ -83,11 +86,12 @@ private:
 /// region lifts below 2.5 % of the weight; if it never carried 5 %, below half of the noise
 /// threshold, or after 0.5 s. A stance lasts at least 80 ms, a swing at least 60 ms.
 ///
-/// Sensors err: part of the force under one region reaches the other's sensor (all thresholds rise
-/// by that part, 8 % until a step shows it). Zero drifts: a region whose force falls from half of
-/// its peak to an eighth within 0.2 s and then stays for 60 ms is in the air, whatever is left. A
-/// force that jumps within one sample and then stays is a sensor that was plugged in: the region
-/// stands, without a landing.
+/// Three errors of sensors are handled. Crosstalk: part of the force under one region reaches the
+/// other's sensor. All thresholds rise by that part, which is taken as 8 % until a step shows a
+/// smaller one. Drift of zero: a region whose force falls from half of its peak to an eighth within
+/// 0.2 s and then stays constant for 60 ms is in the air, whatever reading remains. Plugging in: a
+/// force that jumps within one sample and then stays constant sets the region standing, without a
+/// landing.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -107,14 +111,14 @@ private:
     bool down = false, loaded = false;   ///< loaded: has carried 5 % since it landed
     double since_s = 1, contact_s = 0, touch_threshold_n = 56;
     double crosstalk = 0.08; ///< part of the other region's force
-    bool swings = false;     ///< lifted as a foot that steps does
+    bool swings = false;     ///< lifted like a foot that takes a step
     double peak = 0, fall_s = 0,
-           rest_s = 0; ///< of this stance: peak in weights, time of its fall, and at rest since
+           rest_s = 0; ///< of this stance: peak, weights; duration of its fall; time without change
     double last_n = 0, jump_n = 0, jump_s = -1; ///< time since a jump to jump_n; below 0: none
   };
   void update(Region& region, const Region& other, double force_n, double& landing,
               bool& lifted) noexcept;
-  /// Finds a jump of the reading, and whether it goes on.
+  /// Detects a jump of the reading, and forgets it if the reading continues to change.
   void watch_jump(Region& region, double force_n) noexcept;
   [[nodiscard]] bool lands(Region& region, const Region& other, double& landing) noexcept;
   [[nodiscard]] bool lifts(Region& region, const Region& other) noexcept;

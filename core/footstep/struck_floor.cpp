@@ -16,7 +16,7 @@ constexpr double kFirstShare = 0.5;
 constexpr double kMaxArrivalTime = 1; // s
 /// Share of the friction force that excites the vertical vibration of the ground.
 constexpr double kTangentialShare = 0.1;
-/// A sole that has stopped sticks for a while; its tangential force decays into the leg.
+/// A sole that has stopped sticks for a while; its tangential force decays through the leg.
 constexpr double kHoldingTime = 0.015; // s
 constexpr double kMinForce = 1e-3;     // N
 

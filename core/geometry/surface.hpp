@@ -55,10 +55,11 @@ private:
   std::vector<Box> boxes_;
 };
 
-/// The unit vector tangent to a surface with this unit normal that is nearest to `desired`.
-/// A direction within 20 degrees of the tangent plane is kept as it is: the facets of a coarse mesh
-/// of a curved surface deviate by as much. Where `desired` has no usable tangential part (it is
-/// zero or along the normal) that of the x axis is taken, else of the y axis.
+/// The unit vector tangent to a surface with this unit normal that is nearest to `desired`. A
+/// direction within 20 degrees of the tangent plane is returned unchanged, because the facets of a
+/// coarse mesh of a curved surface deviate by as much. If `desired` has no usable tangential part
+/// (it is zero or along the normal), the tangential part of the x axis replaces it, else that of
+/// the y axis.
 [[nodiscard]] Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept;
 
 } // namespace tactus::modal

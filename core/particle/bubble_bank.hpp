@@ -16,11 +16,12 @@ namespace tactus::particle {
 /// rises as the bubble does (van den Doel 2005), of phase' = 2 pi f (1 + rise d t).
 ///
 /// A bubble's pressure is rho/(4 pi distance) times the rate of its volume flow, which is 0 before
-/// the bubble and after it: the pressure has no mean. The flow (a/phase') exp(-d t) (1 -
-/// cos(phase)) gives
+/// and after the bubble: the pressure has no mean. The flow (a/phase') exp(-d t) (1 - cos(phase))
+/// gives
 ///     p = a exp(-d t) (sin(phase) - k (1 - cos(phase))),   k = d/phase' + phase''/phase'^2,
-/// the damped sine and, d/phase' (some hundredths) as large, what takes its mean away.
-/// The phase is quadratic in time, so two complex rotations per sample compute it exactly.
+/// the damped sine and a term that removes its mean, smaller by the factor d/phase' (some
+/// hundredths). The phase is quadratic in time, so two complex rotations per sample compute it
+/// exactly.
 class BubbleBank {
 public:
   static constexpr std::size_t kMaxBubbles = 128; ///< simultaneous; further ones are dropped

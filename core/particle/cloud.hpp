@@ -49,7 +49,8 @@ public:
   /// step. Clamped to 0.1..10, 0.1..10 and 0..100.
   void vary(double frequency, double decay, double level) noexcept;
   void reset() noexcept;
-  /// Also redraws the next event and the rustle's noise: what follows depends on the seed alone.
+  /// Also redraws the next event and the rustle's noise, so that all later output depends on the
+  /// seed alone.
   void seed(std::uint64_t value) noexcept {
     random_.seed(value);
     clock_.reset();

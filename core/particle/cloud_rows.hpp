@@ -10,7 +10,7 @@
 namespace tactus::particle {
 
 inline constexpr std::array<std::string_view, 3> kKinds{"grains", "bubbles", "rustle"};
-/// With these first values.
+/// Rows whose initial values are those of `first`.
 [[nodiscard]] constexpr auto cloud_rows(const CloudSettings& first) {
   return std::array{
       member<&CloudSettings::kind>.row(

@@ -76,7 +76,7 @@ double ParticleSystem::body_sound() noexcept {
     const double strength = settings_.level * std::sqrt(cloud_.impulse_squared());
     if (strength == 0)
       return body_.next(0);
-    // Random signs: the collisions must not add up to a static deflection, nor in phase.
+    // Random signs: the collisions must add up neither to a static deflection nor in phase.
     return body_.next((random_.next() >> 63) != 0 ? strength : -strength);
   }
   const double energy = std::min(cloud_.energy(), 1e6);

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-/// Messages of `modal_fem serve FILE.modal.npz`, which finds the modes of a table's body at other
-/// shapes. docs/formats/serve.md lists them. A request `solve` is f64 parameters [P], then f64 [P]
-/// the parameters of the shape whose modes are to be matched with the new ones, m. Solves are
-/// functions of the request alone: the program may be restarted between two of them.
+/// Messages of `modal_fem serve FILE.modal.npz`, which computes the modes of a table's body at
+/// other shapes. docs/formats/serve.md lists them. A request `solve` is f64 parameters [P], m, then
+/// f64 [P], m, the parameters of the reference shape: the new modes are matched with those of this
+/// shape. A solve depends on nothing but its request: the program may restart between two solves.
 namespace tactus::serve {
 
 struct ModesReady {

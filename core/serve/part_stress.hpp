@@ -22,8 +22,8 @@ struct ServeReady {
   double product_s = 0, solve_s = 0, factor_s = 0; ///< measured
 };
 
-/// The fixed part of an answer; f64 parameters [P] that were reached, f32 von Mises [N], f32 max
-/// shear [N] and, if asked for, f32 S [P,N], f32 S_shear [P,N] follow.
+/// The fixed part of an answer. There follow f64 parameters [P] (those reached), f32 von Mises [N],
+/// f32 max shear [N] and, if asked for, f32 S [P,N], f32 S_shear [P,N].
 struct StressAnswer {
   std::uint32_t method = 0, iterations = 0;
   double seconds = 0;

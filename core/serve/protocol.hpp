@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-/// What the messages of `part_stress serve` and `modal_fem serve` have in common: the program loads
-/// the part of a table and solves it at other shapes, asked on its stdin, answered on its stdout.
-/// Numbers are little-endian. A message is a header, then `size` bytes.
+/// The common part of the messages of `part_stress serve` and `modal_fem serve`. The program loads
+/// the part of a table and solves it at other shapes. It reads requests from stdin and writes
+/// answers to stdout. Numbers are little-endian. A message is a header, then `size` bytes.
 namespace tactus::serve {
 
 struct ServeHeader {

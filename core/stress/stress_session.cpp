@@ -76,8 +76,8 @@ void StressSession::take_solution() {
   }
 }
 
-/// The method of a solve that is due, if any. At the base's own shape it is due only for the
-/// sensitivities.
+/// The method of a solve that is due, if any. If the shape is the base's own, a solve is due only
+/// for the sensitivities.
 std::optional<Method> StressSession::due(double now_s, const SessionRequest& request) {
   const double ratio = result_.feedback.trust_ratio;
   if (ratio <= UpdatePolicy::kMinRatio)

@@ -42,7 +42,7 @@ struct SessionResult {
 };
 
 /// Stress feedback of a part while the user reshapes it. Every step evaluates the Taylor series
-/// (StressModel). When UpdatePolicy asks for it, a Reanalysis computes a new solution.
+/// (StressModel). When UpdatePolicy requests it, a Reanalysis computes a new solution.
 ///
 /// A solution may come with the sensitivities of an earlier shape. Once the part is at rest these
 /// are recomputed as well if resolve is kAuto or kFull. The class has no thread and no clock.

@@ -52,7 +52,7 @@ inline constexpr std::size_t kMaxElements = 5'000'000;
 inline constexpr float kMaxStress_pa = 1e15F;                ///< both scalars lie from 0 to here
 inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P: 1 GB a field
 
-/// Why a re-solved base does not fit the table (sizes, values that no stress has), else empty.
+/// Reason why a re-solved base does not fit the table (sizes, impossible stresses); else empty.
 [[nodiscard]] std::string check_base(const StressTable& table, const StressBase& base);
 
 } // namespace tactus::stress

@@ -96,7 +96,7 @@ std::string Device::open() {
 }
 
 std::string Device::open_node(const std::string& node) {
-  effect_ = {}; // first of all: close() takes away only what this opening has made
+  effect_ = {}; // first, so that close() removes only the effect of this opening
   effect_.type = FF_CONSTANT;
   effect_.id = -1;
   effect_.replay.length = kLength_ms;
@@ -183,7 +183,7 @@ void Device::read_buttons() {
       buttons_.push_back(code);
 }
 
-/// Where everything is now, at the beginning and after events were lost.
+/// Queries all axes and buttons at the beginning and after events were lost.
 void Device::query_all() noexcept {
   for (const Axis& axis : axes_) {
     input_absinfo now{};
@@ -271,7 +271,7 @@ bool Device::upload(const ConstantForce& force) noexcept {
   return false;
 }
 
-/// Also again while it plays: its length then counts anew.
+/// Starts the effect, also while it plays: its duration then restarts.
 bool Device::start() noexcept {
   input_event play{};
   play.type = EV_FF;
@@ -285,7 +285,7 @@ bool Device::start() noexcept {
 
 ConstantForce Device::requested_force() noexcept {
   Vec3 force_n = forces_.read();
-  force_n = force_n * forces_.gain(); // of what was read
+  force_n = force_n * forces_.gain(); // gain() belongs to the force that was read
   return constant_force(active_settings_.reverse ? -force_n : force_n, active_settings_.peak_n,
                         two_axes_);
 }

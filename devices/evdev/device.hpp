@@ -15,13 +15,14 @@
 
 namespace tactus::devices::evdev {
 
-/// A joystick or wheel with force feedback through the kernel. Deflection becomes position: right
-/// is x, towards the user is z, a third axis is y; full deflection is `reach`. Force has no
-/// calibration: `peak` says what full force is in newtons.
-/// Setting an effect may wait for the cable, so a thread of its own does it, 250 times a second at
-/// most; it keeps the rule of force_timeout.hpp, and the kernel ends the force with the program.
-/// The effect lasts one second and is started again with every change and four times a second: a
-/// length of 0 is no effect for some drivers, and some take a new level only with the next start.
+/// A joystick or wheel with force feedback through the kernel. Its deflection is the position: x to
+/// the right, z towards the user, y from a third axis; full deflection is `reach`. The force has no
+/// calibration: `peak` is the force in newtons at full level.
+/// Setting an effect may block on the device, so a separate thread does it, at most 250 times a
+/// second. That thread ends the force of a stalled servo (force_timeout.hpp); when the program
+/// ends, the kernel ends the force. The effect lasts one second and is restarted with every change
+/// and four times a second: some drivers ignore an effect of length 0, and some apply a new level
+/// only at the next start.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
@@ -41,7 +42,7 @@ private:
   struct Settings {
     std::string device;
     double reach_m = 0.05, peak_n = 3;
-    std::optional<bool> wheel{}; ///< empty: as the device looks
+    std::optional<bool> wheel{}; ///< empty: detected from the device's axes
     bool reverse = false;
   };
   struct Axis {

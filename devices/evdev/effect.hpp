@@ -13,11 +13,11 @@ struct ConstantForce {
   friend bool operator==(const ConstantForce&, const ConstantForce&) = default;
 };
 
-/// The force's part in the plane of the stick (x right, z towards the user) as a share of peak_n,
-/// N. Without a second axis x only, by the level's sign: drivers of wheels ignore the direction or
-/// put 0x4000 in its place (drivers/hid/usbhid/hid-pidff.c, PIDFF_FIXED_WHEEL_DIRECTION), so it is
-/// always that, left, and a positive level pulls to the left. A force that is not finite gives
-/// none.
+/// The component of the force in the plane of the stick (x right, z towards the user), relative to
+/// peak_n, N. Without a second axis only x counts, and its sign is in the level: drivers of wheels
+/// ignore the direction or replace it by 0x4000 (drivers/hid/usbhid/hid-pidff.c,
+/// PIDFF_FIXED_WHEEL_DIRECTION). The direction is then always 0x4000, left, and a positive level
+/// pulls to the left. A force that is not finite gives none.
 [[nodiscard]] ConstantForce constant_force(const Vec3& force_n, double peak_n,
                                            bool two_axes) noexcept;
 

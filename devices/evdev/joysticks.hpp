@@ -13,7 +13,7 @@ struct Joystick {
   bool allowed = false; ///< this account may read and write the node
 };
 
-/// In the order of their nodes' numbers.
+/// Sorted by the numbers of their nodes.
 [[nodiscard]] std::vector<Joystick> joysticks();
 
 /// One bit of a bitmap as /sys writes it: words of a long in hexadecimal, the highest first.

@@ -27,7 +27,8 @@ Step gone(const Link& link, std::string& problem) {
   return Step::kGone;
 }
 
-// Some hosts see a zero byte before the welcome, and a slow loader answers an earlier greeting.
+// A search, not a comparison: on some hosts a zero byte precedes the welcome, and a slow loader may
+// answer an earlier greeting.
 bool welcomes(const std::vector<std::uint8_t>& bytes) {
   return std::search(bytes.begin(), bytes.end(), kWelcome.begin(), kWelcome.end()) != bytes.end();
 }
@@ -120,7 +121,7 @@ std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
       pause_s = std::min(2 * pause_s, kMaxPause_s);
     }
     if (greet(link, problem) != Step::kDone)
-      return problem; // has tried often enough already
+      return problem; // greet() has already retried
     Step step = begin_upload(link, problem);
     if (step == Step::kDone)
       step = send_firmware(link, firmware, problem);

@@ -14,20 +14,21 @@
 namespace tactus::devices::falcon {
 namespace {
 
-// Half the way across the reach that CHAI3D gives this device; its limits too.
+// Radius: half of the range that CHAI3D states for this device; force, stiffness and damping limits
+// are CHAI3D's too.
 constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
 
 constexpr std::size_t kMaxFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
 const char* const kCancelled = "the opening of the Falcon was cancelled: open it again";
 constexpr double kFirstAnswer_s = 1.0;
-constexpr double kSilent_s = 0.005;    // without an answer before a read fails, and three ticks
+constexpr double kSilent_s = 0.005;    // longest time without an answer, or three ticks if longer
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
 constexpr double kMinHoming_s = 0.1;   // without the homing bit after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
 constexpr int kMaxCountStep = 400;     // counts between two answers: some 15 m/s
 
-// Within so much of the centre no arm can lean against a stop, where it stands still to the count
-// under any force.
+// Within this distance of the centre no arm can lean against a stop. At a stop the counts do not
+// change under any force.
 constexpr double kStops_m = 0.025;
 
 std::shared_ptr<UsbLibrary> library(std::string& problem) {
@@ -104,8 +105,8 @@ std::string Falcon::open() {
 }
 
 std::string Falcon::boot(const Settings& settings) {
-  // A boot loader hears noise in a question at 1.5 Mbaud: ask where firmware is known to run, or
-  // where there is nothing else to do.
+  // A question at 1.5 Mbaud is noise to a boot loader: ask only where firmware is known to run, or
+  // where nothing else can be done.
   const bool ask =
       settings.probe || settings.firmware.empty() || loaded_path_ == link_->port().path;
   if (!settings.reload && ask && firmware_runs(*link_))
@@ -164,7 +165,7 @@ void Falcon::close() noexcept {
   const Condition last = condition_.exchange(Condition::kClosed);
   if (last == Condition::kLost || last == Condition::kSilent)
     loaded_path_.clear(); // it may have been without power
-  // Encoders that stand still: begin with the boot loader next time.
+  // The encoders do not change: start with the boot loader at the next opening.
   if (last == Condition::kFrozen || last == Condition::kAtStop || last == Condition::kUnreachable ||
       (last == Condition::kHoming && stuck_)) {
     const std::scoped_lock lock(mutex_);
@@ -183,9 +184,9 @@ haptic::Caps Falcon::caps() const noexcept {
   caps.workspace_min = {-kRadius_m, -kRadius_m, -kRadius_m};
   caps.workspace_max = {kRadius_m, kRadius_m, kRadius_m};
   caps.position_noise_m = position_error_m();
-  // The device answers an order with where it is then. Order and answer each wait for a USB frame
-  // of 1 ms, and an answer of less than 62 bytes also for the serial chip's latency timer, 1 ms at
-  // least (FTDI, AN232B-04): a tick reads the answer to the order of two ticks before.
+  // The device answers a command with its current position. Command and answer each wait for a USB
+  // frame of 1 ms, and an answer of less than 62 bytes also for the serial chip's latency timer, at
+  // least 1 ms (FTDI, AN232B-04). So a tick reads the answer to the command of two ticks before.
   caps.latency_ticks = 2;
   caps.has_velocity = true; // estimated here, where the answers' own times are known
   caps.has_buttons = true;
@@ -193,10 +194,10 @@ haptic::Caps Falcon::caps() const noexcept {
   return caps;
 }
 
-// False when the answer makes no sense.
+// Returns false if the answer is implausible.
 bool Falcon::process(const Frame& frame) noexcept {
   const Counts& counts = frame.response.encoders;
-  flags_ = frame.response.flags; // these are good whatever the arms' angles are
+  flags_ = frame.response.flags; // the flags are valid even if the angles are not
   if (answered_ && encoders_ != counts)
     changed_ = moved_ = true;
   answered_ = true;
@@ -206,10 +207,10 @@ bool Falcon::process(const Frame& frame) noexcept {
   unreachable_ = !found.found || !reachable(found.position, motor_angles(counts));
   if (unreachable_)
     return false;
-  // An arm that passes its mark begins to count anew, in the answer that says so.
+  // An arm that passes its mark restarts its count, in the same answer that sets its flag.
   const bool marked = ((flags_ ^ frame_.response.flags) & Response::kHomed) != 0;
   if (jumped && !marked && (!rejected_ || exceeds_max_step(*rejected_, counts))) {
-    rejected_ = counts; // a second answer near it makes it true
+    rejected_ = counts; // accepted if the next answer is close to it
     return false;
   }
   rejected_.reset();
@@ -270,7 +271,7 @@ void Falcon::update_condition(const haptic::Tick& tick, bool new_frame) noexcept
     condition = Condition::kLost;
   else if (silent)
     condition = Condition::kSilent;
-  else if (!homed_) // until then the angles mean nothing
+  else if (!homed_) // the angles are undefined until then
     condition = Condition::kHoming;
   else if (unreachable_)
     condition = Condition::kUnreachable;
@@ -284,7 +285,8 @@ bool Falcon::write(const Vec3& force_n) noexcept {
     return false;
   commanded_n_ = {};
   Command command;
-  // Each packet keeps the device homed; "home" lets its marks go first.
+  // Each packet must keep the homing bit set; "home" drops it first, so that the device clears its
+  // marks.
   command.flags = lights(homed_);
   if (!homing_ || homing_s_ >= kMinHoming_s)
     command.flags |= Command::kHoming;

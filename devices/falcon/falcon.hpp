@@ -46,7 +46,7 @@ private:
   mutable std::mutex mutex_; // of settings and port, held briefly and never in the servo
   Settings settings_;
   Port port_;
-  std::string loaded_path_; ///< the port whose device has firmware from us; the opening thread's
+  std::string loaded_path_; ///< port of the device that was loaded here; for the opening thread
   OpenDevice open_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Stream> stream_;
@@ -57,10 +57,10 @@ private:
   std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
   std::atomic<bool> home_requested_{false}, stuck_{false}, cancelled_{false};
 
-  // the servo's
+  // Used by the servo's thread only.
   haptic::VelocityEstimator estimator_;
   Frame frame_{};          // the newest whose arms' angles make sense
-  Counts encoders_{};      // of the newest, whatever they are
+  Counts encoders_{};      // of the newest frame, plausible or not
   std::uint8_t flags_ = 0; // likewise
   bool answered_ = false;
   std::optional<Counts> rejected_{};

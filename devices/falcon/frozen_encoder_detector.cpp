@@ -61,7 +61,7 @@ void FrozenEncoderDetector::update(bool changed, const Vec3& commanded_n, double
   frozen_ = frozen_ || out_of_band || mismatch_s_ >= kMismatch_s;
   if (frozen_)
     return;
-  // The patch ended its force by itself, within the band: the test decides nothing.
+  // The patch ended its force during the test, within the friction band: the test is inconclusive.
   testing_ = false;
   still_s_ = mismatch_s_ = zero_force_s_ = 0;
   reference_ = sent_;

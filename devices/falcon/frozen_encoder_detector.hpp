@@ -4,9 +4,8 @@
 
 namespace tactus::devices::falcon {
 
-/// Detects frozen encoders of a Falcon: the position stays the same to the count although a force
-/// acts. It happens, and lasts until the firmware is loaded again (libnifalcon's issues 24, 32,
-/// 45).
+/// Detects frozen encoders of a Falcon: the counts stay constant although a force acts. This
+/// happens, and lasts until the firmware is reloaded (libnifalcon's issues 24, 32, 45).
 ///
 /// Constant counts alone prove nothing: a hand that holds still against a constant force has them
 /// too, since static friction f holds the handle within a band of 2 f of force. But when the force
@@ -24,9 +23,9 @@ namespace tactus::devices::falcon {
 /// (35 um), counts as frozen. For 1 N that is one stiffer than 29 kN/m.
 class FrozenEncoderDetector {
 public:
-  /// Static friction f at the Falcon's grip, N. Not measured by us but chosen on the large side:
-  /// less friction makes the test safer; with more a still hand is tested needlessly, and passes,
-  /// since it moves when the whole force goes.
+  /// Static friction f at the Falcon's grip, N. Not measured but chosen on the large side. If the
+  /// true friction is smaller, the test is safer. If it is larger, a still hand is tested
+  /// needlessly but passes, since it moves when the whole force ends.
   static constexpr double kFriction_n = 0.4;
   static constexpr double kBand_n = 2 * kFriction_n;
   static constexpr double kWait_s = 3, kMaxWait_s = 12, kMismatch_s = 0.3;

@@ -21,7 +21,7 @@ constexpr double kTolerance_m = 1e-12;
 constexpr int kMaxSteps = 32;
 constexpr double kMaxStep_m = 0.03;
 constexpr double kMaxCosine = 0.999; // of the cosine of the parallelogram's angle
-constexpr double kMinSine = 1e-3;    // sine below which a leg is called stretched or folded
+constexpr double kMinSine = 1e-3;    // a leg with a smaller sine counts as stretched or folded
 
 struct LegPoint {
   double u, v, w;      // the platform in the leg's own frame
@@ -164,7 +164,7 @@ Counts motor_counts(const std::array<double, 3>& torque_n_m, double counts_per_n
   }
   if (!std::isfinite(largest))
     return {};
-  // The motors turn against the encoders: hence the sign.
+  // Motors and encoders turn in opposite directions, hence the sign.
   const double scale =
       -counts_per_n_m * (largest > kMaxMotorCounts ? kMaxMotorCounts / largest : 1);
   Counts counts{};

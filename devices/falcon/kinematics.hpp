@@ -20,7 +20,7 @@ using Counts = std::array<std::int16_t, 3>;
 constexpr double kRadiansPerCount = 0.01425 / (1280 * 0.110) * 6.283185307179586; ///< shaft / drum
 constexpr double kRadiansAtZero = 35 * 6.283185307179586 / 360;
 constexpr int kMaxMotorCounts = 4096;
-constexpr Vec3 kCentre{0, 0, 0.110}; ///< what the rest of tactus takes as the origin. m
+constexpr Vec3 kCentre{0, 0, 0.110}; ///< m, the origin of positions outside this file
 
 [[nodiscard]] Angles motor_angles(const Counts& encoder) noexcept;
 

@@ -11,8 +11,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
-// A transfer that waits cannot be broken off, so none waits for long; libusb then says how far it
-// came, and the rest follows.
+// A pending transfer cannot be interrupted, so each has a short timeout; libusb then reports the
+// bytes transferred, and the rest is sent in the next transfer.
 constexpr unsigned kControl_ms = 200, kBulk_ms = 100;
 constexpr double kSend_s = 0.5, kSlice_s = 0.05;
 constexpr std::uint8_t kToChip = 0x40; // vendor request, host to device

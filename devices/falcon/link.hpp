@@ -14,17 +14,17 @@ namespace tactus::devices::falcon {
 
 constexpr std::uint8_t kOutEndpoint = 0x02, kInEndpoint = 0x81;
 constexpr std::size_t kTransferBytes = 64; ///< of a full-speed bulk endpoint
-constexpr std::size_t kStatusBytes = 2;    ///< with which the serial chip begins each IN transfer
+constexpr std::size_t kStatusBytes = 2;    ///< the serial chip's status, first in each IN transfer
 
-/// Where a Falcon is plugged in.
+/// The USB port of a Falcon.
 struct Port {
   std::string path;    ///< bus and ports: "1-2.3"
   std::string serial;  ///< empty when it cannot be asked
   std::string problem; ///< empty when it can be opened
 };
 
-/// The serial line to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setting up; in run
-/// mode a Stream takes over. What waits ends within 0.2 s after *cancelled has become true.
+/// The serial connection to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setup; in run
+/// mode a Stream takes over. Any wait ends within 0.2 s after *cancelled has become true.
 class Link {
 public:
   explicit Link(std::shared_ptr<UsbLibrary> usb, const std::atomic<bool>* cancelled = nullptr)
@@ -33,14 +33,15 @@ public:
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// True for the path of a Falcon that this process has open already: it is left alone.
+  /// True for the path of a Falcon that this process has already opened: such a device is not
+  /// accessed.
   using IsOpen = std::function<bool(const std::string& path)>;
 
   /// All Falcons on the buses now; of one that is open already the path alone.
   [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb, const IsOpen& is_open);
 
-  /// which: an index into ports(), a serial number or a path; empty is the first that is not open.
-  /// Empty answer when the device is ours, else a sentence.
+  /// which: an index into ports(), a serial number or a path; empty: the first that is not open.
+  /// Returns an empty text on success, else a sentence.
   [[nodiscard]] std::string open(const std::string& which, const IsOpen& is_open);
   void close() noexcept;
 
@@ -54,7 +55,7 @@ public:
   /// Half a second at most. False when the device is gone, takes nothing, or the opening was
   /// cancelled.
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes) noexcept;
-  /// Appends what arrives to bytes until there are so many or the time is over. False when the
+  /// Appends arriving bytes until there are `requested` of them or the time is over. False if the
   /// device is gone or the opening was cancelled.
   [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t requested,
                              double limit_s);

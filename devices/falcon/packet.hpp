@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-/// What goes over the Falcon's wire in run mode, sixteen bytes both ways:
+/// The Falcon's packets in run mode, sixteen bytes in both directions:
 ///
 ///   '<'  3 values of 16 bits, each as 4 nibbles, low first, nibble + 'A'  flags + 'A'  'A'  '>'
 namespace tactus::devices::falcon {
@@ -42,7 +42,7 @@ public:
   [[nodiscard]] const Response& response() const noexcept { return response_; }
   /// Packets that were begun and not finished, and runs of bytes between packets.
   [[nodiscard]] std::uint64_t errors() const noexcept { return errors_; }
-  /// Forgets a packet under way.
+  /// Discards a partly received packet.
   void reset() noexcept { filled_ = 0; }
 
 private:

@@ -13,10 +13,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 const char* const kNoMemory = "there is no memory for the Falcon's transfers: close other programs";
 constexpr unsigned kOut_ms = 200;
-constexpr int kMaxFailures = 50; // in a row before the line counts as lost
+constexpr int kMaxFailures = 50; // consecutive failures after which the connection counts as lost
 constexpr int kMaxUnanswered = 2;
 constexpr double kResponseTimeout_s = 0.010;
-constexpr double kRepeat_s = 0.020; // of the order without force, while the servo stalls
+constexpr double kRepeat_s = 0.020; // interval of zero-force commands while the servo stalls
 constexpr auto kStopTimeout = std::chrono::milliseconds(200);
 constexpr auto kCancel = std::chrono::milliseconds(250);
 
@@ -50,7 +50,7 @@ std::string Stream::start() {
   }
   for (Transfer& transfer : in_)
     if (!submit(transfer))
-      break; // lost() says so
+      break; // lost() is then true
   try {
     handler_ = std::thread([this] { handle_events(); });
     sender_ = std::thread([this] { send_commands(); });
@@ -66,7 +66,7 @@ void Stream::stop() noexcept {
     const auto end = Clock::now() + kStopTimeout;
     while (!lost() && delivered_.load() < commands_written_ && Clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      wake(); // the sender looks at its watch when it is woken
+      wake(); // the sender checks its timeouts when it is woken
     }
     stopping_ = true;
     wake();
@@ -119,7 +119,7 @@ void Stream::failed() noexcept {
     lost_ = true;
 }
 
-// In the handler's thread, as all callbacks.
+// All callbacks run in the handler's thread.
 void LIBUSB_CALL Stream::on_in(libusb_transfer* transfer) {
   auto& self = *static_cast<Transfer*>(transfer->user_data);
   Stream& stream = *self.stream;
@@ -166,7 +166,7 @@ void Stream::process(const Transfer& transfer) noexcept {
   broken_.store(parser_.errors(), std::memory_order_relaxed);
 }
 
-// Null while two orders are under way or unanswered.
+// Null while two commands are in transfer or unanswered.
 Stream::Transfer* Stream::free_out(double since_s) noexcept {
   if (unanswered_ >= kMaxUnanswered) {
     if (now_s() - since_s < kResponseTimeout_s)
@@ -201,7 +201,7 @@ void Stream::send_commands() noexcept {
       continue;
     Transfer* free = free_out(sent_s);
     if (!free) {
-      waiting_ = true; // the next completion or answer wakes us, unless it has just happened
+      waiting_ = true; // set before the second check, so that no wake-up is missed
       free = free_out(sent_s);
     }
     if (!free)

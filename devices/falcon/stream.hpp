@@ -19,13 +19,13 @@ struct Frame {
   double time_s = 0;        ///< steady clock
 };
 
-/// The stream of commands and responses while the Falcon's firmware runs. One
-/// thread submits libusb transfers, another handles those that complete. The servo only accesses
-/// memory: its send() and receive() allocate nothing, take no lock
-/// and never wait. The newest order wins. At most two orders are unanswered, so
-/// that no queue can form in front of a device that is slower than the servo; an answer that does
-/// not come is given up after 10 ms. The device holds an order until the next one comes, so while
-/// the servo stalls the stream sends orders without force (force_timeout.hpp).
+/// The stream of commands and answers while the Falcon's firmware runs. One thread submits libusb
+/// transfers, another handles those that complete. The servo only accesses memory: its send() and
+/// receive() allocate nothing, take no lock and never wait. A newer command replaces an unsent one.
+/// At most two commands are unanswered, so that no queue can form in front of a device that is
+/// slower than the servo; an answer that has not come after 10 ms is not waited for any longer. The
+/// device applies a command until the next one arrives, so while the servo stalls the stream sends
+/// commands without force (force_timeout.hpp).
 class Stream {
 public:
   explicit Stream(Link& link) : link_(link) {}
@@ -35,8 +35,8 @@ public:
 
   /// Empty, else a sentence: no memory or no thread. A device that has left the bus is lost().
   [[nodiscard]] std::string start();
-  /// Sends an order without force and waits until the device has it; half a second at most, with
-  /// the threads' end.
+  /// Sends a command without force and waits until it is delivered; at most half a second,
+  /// including the threads' end.
   void stop() noexcept;
 
   /// For the servo's thread.
@@ -45,12 +45,13 @@ public:
   [[nodiscard]] bool receive() noexcept { return frames_.read(); }
   [[nodiscard]] const Frame& latest() const noexcept { return frames_.latest(); }
 
-  /// The device has left the bus, or its line has failed for good.
+  /// The device has left the bus, or its connection has failed permanently.
   [[nodiscard]] bool lost() const noexcept { return lost_.load(std::memory_order_acquire); }
   struct Counts {
     std::uint64_t sent, answered, broken, skipped, failed;
   };
-  /// Orders sent, answers, broken packets, orders that a newer one replaced, failed transfers.
+  /// Numbers of commands sent, answers, broken packets, commands replaced by a newer one, failed
+  /// transfers.
   [[nodiscard]] Counts counts() const noexcept;
 
 private:
@@ -81,7 +82,7 @@ private:
   Link& link_;
   std::array<Transfer, 2> in_, out_;
   Mailbox<Numbered> commands_;
-  std::atomic<double> written_s_{-1e9}; // of the newest order
+  std::atomic<double> written_s_{-1e9}; // of the newest command
   Mailbox<Frame> frames_;
   ResponseParser parser_;
   std::uint64_t commands_written_ = 0; // by the servo

@@ -40,7 +40,7 @@ public:
       library_, "libusb_handle_events_timeout_completed"};
   Function<decltype(libusb_error_name)> error_name{library_, "libusb_error_name"};
 
-  /// Empty when all are there, else a sentence that says what to install.
+  /// Returns an empty text if all functions were found, else a sentence that names what to install.
   std::string load();
 };
 

@@ -13,20 +13,20 @@
 
 namespace tactus::devices::force_dimension {
 
-/// The maker's automatic initialisation: the motors lead the handle to known places, for some
-/// seconds. It runs in a thread of its own, and the servo calls nothing of the library meanwhile.
+/// The vendor's automatic initialisation: for some seconds the motors move the handle to known
+/// positions. It runs in a separate thread; the servo does not call the library meanwhile.
 class AutoInit {
 public:
   /// The servo's side, once a tick before it calls the library.
   enum class Turn {
-    kServo,   ///< the device is the servo's
-    kBegins,  ///< it has been asked for: the servo's force must end with this tick
-    kRunning, ///< the device is its own
+    kServo,   ///< the servo uses the device
+    kBegins,  ///< initialisation was requested: the servo's force must end with this tick
+    kRunning, ///< initialisation uses the device
     kEnded    ///< it has ended just now, see failed()
   };
 
-  /// With each opening, before there is a servo: whether this library and this device have it. All
-  /// but turn() under one lock of the caller's.
+  /// Call at each opening, before there is a servo. Returns whether the library and this device
+  /// support the initialisation. The caller serialises all functions but turn() with one lock.
   [[nodiscard]] bool prepare(const DhdLibrary& library, char id) {
     shared_ = std::make_shared<Shared>(library, id);
     return library.auto_init && library.robot_stop && library.robot_supported &&
@@ -58,8 +58,9 @@ public:
     return shared_->stage.compare_exchange_strong(stage, Stage::kNone) ? Turn::kEnded
                                                                        : Turn::kServo;
   }
-  /// Without a servo. If it runs, ends it and leaves the closing of the device to its thread, which
-  /// is waited for some 20 ms at most; false: the caller closes the device.
+  /// Call without a servo. If the initialisation runs, ends it, leaves the closing of the device to
+  /// its thread, waits at most about 20 ms for that thread and returns true. False: the caller
+  /// closes the device.
   [[nodiscard]] bool stop_and_close() noexcept {
     Shared& s = *shared_;
     std::unique_lock lock(s.closing);
@@ -107,7 +108,7 @@ private:
       if (s.failed)
         s.reason = s.last_error();
       const std::lock_guard lock(s.closing);
-      static_cast<void>(s.robot_stop(!s.close_it, s.id)); // ends its regulation
+      static_cast<void>(s.robot_stop(!s.close_it, s.id)); // ends the library's position control
       s.over = true;
       s.stage = Stage::kEnded;
       if (s.close_it)

@@ -19,7 +19,7 @@ constexpr unsigned char kWatchdogSteps = 240, kNoWatchdog = 0; // of 125 us: 30 
 constexpr int kStatusEvery_ticks = 64;
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
-constexpr int kPoll_ms = 20; // between two looks at whether the opening was cancelled
+constexpr int kPoll_ms = 20; // interval at which a cancelled opening is detected
 
 Vec3 to_project(double x, double y, double z) noexcept { return {y, z, x}; }
 
@@ -47,7 +47,7 @@ const char* meaning(int cause) noexcept {
 std::string Device::configure(std::span<const std::string> words) {
   if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
     const std::lock_guard lock(settings_mutex_);
-    if (leads_itself_) {
+    if (has_auto_init_) {
       const std::string reason = auto_init_.start();
       return reason.empty() ? reason : "dhd: " + reason;
     }
@@ -80,7 +80,7 @@ std::string Device::open_with_retries(int requested) {
       return "dhd: the opening was cancelled: open the device again";
     id_ = open_requested(requested);
     if (id_ >= 0 && is_open("dhd", std::to_string(id_))) {
-      id_ = -1; // the other's: it goes on
+      id_ = -1; // it belongs to another object, which keeps it
       return "dhd: the device is open in this program already: close it there";
     }
     if (id_ >= 0)
@@ -103,7 +103,8 @@ bool Device::set_watchdog(unsigned char steps) noexcept {
   return set;
 }
 
-/// What the wrist and the gripper can do: the device's own word over the table's.
+/// Capabilities of wrist and gripper: values that the device reports take precedence over the
+/// table's.
 void Device::detect_wrist() noexcept {
   const auto id = static_cast<char>(id_);
   wrist_ = caps_.has_rotation =
@@ -140,15 +141,15 @@ std::string Device::open() {
   detect_wrist();
   {
     const std::lock_guard lock(settings_mutex_);
-    leads_itself_ = auto_init_.prepare(library_, id);
+    has_auto_init_ = auto_init_.prepare(library_, id);
   }
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
-  // It begins with the first force: until then nobody feeds it. 0 switches it off
-  // (forcedimension_core, dhd.expert.setWatchdog) and tells whether there is one.
+  // The watchdog is enabled with the first force, since nothing resets it before. 0 disables it
+  // (forcedimension_core, dhd.expert.setWatchdog); the call also shows whether there is one.
   const bool watched = set_watchdog(kNoWatchdog);
   watchdog_due_ = has_watchdog_ = watched;
-  leading_ = false;
+  initialising_ = false;
   library_.enable_force(1, id);
   library_.set_force(0, 0, 0, id);
   until_status_ = until_watchdog_ = error_free_ticks_ = 0;
@@ -167,7 +168,7 @@ std::string Device::open() {
     return {};
   const auto end_force = [](void* self) noexcept {
     auto& device = *static_cast<Device*>(self);
-    if (!device.leading_)
+    if (!device.initialising_)
       static_cast<void>(device.send({}, {}));
   };
   std::string problem = stall_guard_.start(end_force, this);
@@ -183,7 +184,7 @@ void Device::close() noexcept {
     bool closed = false;
     {
       const std::lock_guard lock(settings_mutex_);
-      leads_itself_ = false;
+      has_auto_init_ = false;
       closed = auto_init_.stop_and_close();
     }
     if (!closed) {
@@ -241,14 +242,14 @@ bool Device::read_device(State& state) noexcept {
     static_cast<void>(send({}, {}));
     [[fallthrough]];
   case AutoInit::Turn::kRunning:
-    leading_ = true;
+    initialising_ = true;
     homed_ = false;
     state = state_;
     state.velocity = {};
     state.flags = 0;
     return true;
   case AutoInit::Turn::kEnded:
-    leading_ = false;
+    initialising_ = false;
     until_status_ = 0;
     watchdog_due_ = has_watchdog_;
     break;
@@ -269,7 +270,7 @@ bool Device::read_device(State& state) noexcept {
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
   if (reset_requested_.exchange(false) && library_.reset) {
     static_cast<void>(library_.reset(id));
-    until_status_ = 0; // no force from this tick on
+    until_status_ = 0; // the status is read in this tick: no force from here on
   }
   update_status();
   error_ = nullptr;
@@ -307,7 +308,7 @@ int Device::send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcep
 }
 
 bool Device::write_device(const Vec3& force_n) noexcept {
-  if (leading_)
+  if (initialising_)
     return force_n == Vec3{};
   const double now_s = haptic::ForceTimeout::now_s();
   const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
@@ -338,10 +339,10 @@ std::string Device::trouble() const {
   if (broken_)
     return "dhd: the device reports a fault: switch it off and on and open it again";
   const std::lock_guard lock(settings_mutex_);
-  if (leads_itself_ && auto_init_.failed())
+  if (has_auto_init_ && auto_init_.failed())
     return std::string("dhd: the device did not initialise itself (") + auto_init_.why() +
            "): free its way and send home again";
-  if (needs_reset_ && leads_itself_)
+  if (needs_reset_ && has_auto_init_)
     return "dhd: the device is not initialised: let go of it and send home; its motors will lead "
            "it";
   if (needs_reset_)

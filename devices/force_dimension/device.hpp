@@ -60,7 +60,7 @@ private:
 
   mutable std::mutex settings_mutex_;
   int requested_ = 0;
-  bool leads_itself_ = false; ///< an open device that auto_init_ can initialise
+  bool has_auto_init_ = false; ///< an open device that auto_init_ can initialise
 
   // The servo's thread
   std::array<int, kMaxStatus> status_{};
@@ -72,9 +72,9 @@ private:
   haptic::State state_{};                 // of the tick before
   int until_status_ = 0, until_watchdog_ = 0, error_free_ticks_ = 0;
   bool homed_ = true, limited_ = false, watchdog_due_ = false, has_watchdog_ = false;
-  bool leading_ = false; // the device is led by itself
+  bool initialising_ = false; // the automatic initialisation moves the handle
 
-  // Both sides
+  // Shared by the servo's thread and others.
   std::atomic<int> force_off_cause_{kNoCause};
   std::atomic<bool> needs_reset_{false}, broken_{false}, reset_requested_{false};
   std::atomic<const char*> error_{nullptr}; ///< a constant text of the library

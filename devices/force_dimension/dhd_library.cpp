@@ -36,7 +36,7 @@ std::string DhdLibrary::load() {
            "set TACTUS_LIBDHD to the path of its libdhd";
   }
   if (robot_open_id && robot_close) {
-    open_id = robot_open_id; // as dhdOpenID, and the device can be led
+    open_id = robot_open_id; // as dhdOpenID; the device can then be moved by DRD
     close = robot_close;
   }
   return {};

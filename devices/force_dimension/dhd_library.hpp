@@ -6,9 +6,9 @@
 
 namespace tactus::devices::force_dimension {
 
-/// Answers of the vendor's functions: below zero is an error; these are none.
+/// Return values of the vendor's functions: below zero is an error; the following are not.
 constexpr int kTimeGuard = 1;      ///< the answer is the last one again: too soon for a new one
-constexpr int kMotorSaturated = 2; ///< force was given, but less than asked for
+constexpr int kMotorSaturated = 2; ///< the force was applied, but smaller than requested
 
 /// Indices into the array that dhdGetStatus fills; newer libraries fill more of them.
 enum Status : std::size_t {
@@ -31,9 +31,9 @@ enum ForceOffCause : int {
   kDeadMan = 6
 };
 
-/// The vendor's library (DHD, the haptic part of its SDK, and DRD, the robotic part, which leads
-/// the handle by itself), loaded while the program runs; the
-/// functions are declared as public programs use them.
+/// The vendor's library, loaded at run time (DHD, the haptic part of its SDK, and DRD, the robotic
+/// part, which moves the handle by position control). The functions are declared as public programs
+/// use them.
 class DhdLibrary {
   SharedLibrary library_;
   static constexpr auto kOptional = LibraryFunction::Needed::kNo;
@@ -72,7 +72,7 @@ public:
   Function<int(unsigned char steps, char id)> set_watchdog{library_, "dhdSetWatchdog",
                                                            kOptional}; // of 125 us
   Function<int(double newton, char id)> set_max_force{library_, "dhdSetMaxForce", kOptional};
-  // Of libdrd alone:
+  // Only in libdrd:
   Function<int(char index)> robot_open_id{library_, "drdOpenID", kOptional};
   Function<int(char id)> robot_close{library_, "drdClose", kOptional};
   Function<bool(char id)> robot_supported{library_, "drdIsSupported", kOptional};

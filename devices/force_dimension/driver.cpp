@@ -9,8 +9,8 @@ std::string problem() {
   return library.load();
 }
 
-/// Counts without opening. While a device is open the library is left alone: what is open is known,
-/// others are seen when it is closed.
+/// Counts the devices without opening them. While a device is open the library is not called: the
+/// list then holds the open devices only; others appear once these are closed.
 std::vector<Found> list() {
   std::vector<Found> all;
   for (Opened& device : open_devices("dhd"))

@@ -15,8 +15,8 @@ struct Model {
   double peak_torque_n_m = 0, peak_grip_n = 0; ///< 0: it has no such motors
 };
 
-/// The limits that CHAI3D has for the type. A type that is not in its list, as newer libraries have
-/// them, is looked for by the name that the library gives it; else the smallest of all.
+/// The limits that CHAI3D has for the type. For a type that is not in its list, as newer libraries
+/// report them, the limits of the model that the library names; else the smallest of all.
 [[nodiscard]] const Model& model_of(int type, std::string_view name = {}) noexcept;
 [[nodiscard]] haptic::Caps caps_of(const Model& model) noexcept;
 

@@ -97,7 +97,7 @@ void Connection::set_trouble(Phase phase, const std::string& trouble) {
 }
 
 void Connection::serve() noexcept {
-  raise_thread_priority(kDeviceThreadPriority); // a force is as old as this thread is late
+  raise_thread_priority(kDeviceThreadPriority); // every delay of this thread delays the force
   try {
     run_connection();
   } catch (const std::exception& error) {
@@ -118,7 +118,7 @@ void Connection::run_connection() {
       const double began_s = ServoThread::now_s();
       failure = run_session(socket);
       socket.close();
-      if (ServoThread::now_s() - began_s > 1) { // it has worked: look for it soon again
+      if (ServoThread::now_s() - began_s > 1) { // the session worked: reconnect soon
         failures = 0;
         pause_s = kFirstPause_s;
       }
@@ -137,7 +137,7 @@ void Connection::run_connection() {
   }
 }
 
-/// Looks for the requested device; empty, else what to do.
+/// Selects the requested device. Returns an empty text, or what to do.
 std::string Connection::choose(const Message& inventory) {
   const auto& devices = inventory.devices;
   if (devices.empty())
@@ -160,7 +160,7 @@ std::string Connection::choose(const Message& inventory) {
   return {};
 }
 
-/// Keeps what the message has of the device; false when it is not in it.
+/// Stores the device's state from the message; false if the message does not contain the device.
 bool Connection::take(const Message& message) {
   const auto found = std::find_if(message.devices.begin(), message.devices.end(),
                                   [this](const DeviceState& one) { return one.id == device_id_; });
@@ -198,9 +198,9 @@ Vec3 Connection::next_force() noexcept {
   return workspace_.rotated(force_n * forces_.gain());
 }
 
-/// Asks for the preset and the axes and waits until the service's configuration shows both. A
-/// service that does not know presets leaves the origin in the device's base; it is an older one,
-/// which takes a force by another key.
+/// Requests the preset and the axes and waits until the service's configuration shows both. A
+/// service without presets leaves the origin in the device's base; it is an older version, which
+/// takes the force under another key.
 std::string Connection::set_up(Socket& socket) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kSetUp_s));
   is_centred_ = false;
@@ -238,7 +238,7 @@ std::string Connection::run_session(Socket& socket) {
   if (std::string sentence = choose(*inventory); !sentence.empty())
     return sentence;
   workspace_ = mount_ = {};
-  static_cast<void>(take(*inventory)); // later states leave out what stays
+  static_cast<void>(take(*inventory)); // later states omit unchanged fields
   if (std::string failure = set_up(socket); !failure.empty())
     return "Haply's service went away (" + failure + "): it is looked for again";
   const ForceKey key = is_centred_ ? ForceKey::kVector : ForceKey::kBoth;
@@ -258,7 +258,7 @@ std::string Connection::run_session(Socket& socket) {
     garbage = message ? 0 : garbage + 1;
     if (garbage >= kMaxBadMessages)
       return "Haply's service sends no JSON any more: restart it";
-    if (message && take(*message)) { // unplugged: the sample grows old and the servo notices
+    if (message && take(*message)) { // if unplugged, the sample ages and the servo reports it
       if (!reported)
         set_trouble(Phase::kRunning, "");
       reported = true;

@@ -20,7 +20,8 @@ struct Address {
   std::string host = "127.0.0.1", port = "10001";
 };
 
-/// TACTUS_HAPLY, "host:port", of the environment; else where the service listens by itself.
+/// Host and port from the environment variable TACTUS_HAPLY, "host:port"; without it the service's
+/// default.
 [[nodiscard]] Address default_address();
 
 struct Settings {

@@ -22,8 +22,8 @@ constexpr Limits kInverse3{5, 300, 2, 0.1};
 constexpr Limits kMinverse{4, 300, 2, 0.04};
 // No continuous force was found for either: the share of a Touch, 0.88 N of 3.3 N, rounded down.
 constexpr double kContinuousShare = 0.25;
-// Where the handle is in the maker's examples, of a service without presets: in front of and above
-// the mounting plate. The service's axes, m.
+// Position of the handle in the vendor's examples, for a service without presets: in front of and
+// above the mounting plate. The service's axes, m.
 constexpr Vec3 kCentreFromBase{0, -0.12, 0.15};
 constexpr double kStale_s = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -81,8 +81,8 @@ std::string Device::open() {
   caps_.workspace_max = centre + Vec3{1, 1, 1} * limits.radius_m;
   last_position_ = centre;
   caps_.rate_hz = settings.rate_hz;
-  // A message carries a force there and a state back: the force that answers that state goes with
-  // the next one. What the service adds is not known.
+  // A message carries a force to the service, its answer a state; the force computed from that
+  // state is sent with the next message. The delay of the service itself is unknown.
   caps_.latency_ticks = 1;
   caps_.has_velocity = caps_.has_buttons = caps_.has_rotation = caps_.needs_home = true;
   identity_ = {"Haply", seen.type.empty() ? "inverse3" : seen.type, seen.id};

@@ -48,7 +48,7 @@ std::optional<Vec3> placed(const Json& state, const char* name) {
   return v ? std::optional(to_project(*v)) : std::nullopt;
 }
 
-/// Parts that are missing are those of the identity, as the service leaves them out.
+/// Missing parts have the identity's values: the service omits them.
 std::optional<Transform> placement(const Json* object) {
   if (!object || !object->is_object())
     return {};

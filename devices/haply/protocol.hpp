@@ -47,10 +47,11 @@ enum class ForceKey { kVector, kBoth };
 /// A force on one device, N, project frame.
 [[nodiscard]] std::string force_message(std::string_view device_id, const Vec3& force_n,
                                         ForceKey key = ForceKey::kVector);
-/// The first message of a session: our name, the axes and the preset, and no force, by both keys.
+/// The first message of a session: this client's name, the axes and the preset, and zero force
+/// under both keys.
 [[nodiscard]] std::string first_message(std::string_view device_id);
-/// Sets zero force, by both keys, and asks for an answer with the configuration in it. With basis:
-/// sets the axes again, since a preset may set its own.
+/// Sets zero force under both keys and requests an answer that contains the configuration. With
+/// basis: sets the axes again, since a preset may have set its own.
 [[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
 /// Vectors between the service's axes (x right, y forward, z up) and the project's.

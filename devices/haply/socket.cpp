@@ -61,7 +61,7 @@ std::string look_up(const std::string& host, const std::string& port, double tim
 struct Socket::Parts {
   explicit Parts(const std::atomic<bool>& stop_flag) : stop(stop_flag) {}
 
-  /// Starts an operation and runs it to its end, its time or the stop.
+  /// Starts an operation and runs it until it completes, its time is over or `stop` is set.
   template <class Start> std::string finish(double timeout_s, Start start) {
     constexpr auto kPollInterval = std::chrono::milliseconds(20);
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(

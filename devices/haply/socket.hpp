@@ -15,13 +15,13 @@ public:
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
-  /// Empty, else why not. ws://host:port/
+  /// Returns an empty text, or the reason of a failure. ws://host:port/
   [[nodiscard]] std::string connect(const std::string& host, const std::string& port,
                                     double timeout_s);
-  /// Empty, else why not. One text message, 64 kB at most.
+  /// Returns an empty text, or the reason of a failure. One text message of at most 64 kB.
   [[nodiscard]] std::string receive(std::string& message, double timeout_s);
   [[nodiscard]] std::string send(const std::string& message, double timeout_s);
-  /// Takes leave, for a tenth of a second at most.
+  /// Sends a close frame; takes at most a tenth of a second.
   void close() noexcept;
 
 private:

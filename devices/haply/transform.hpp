@@ -6,9 +6,10 @@
 
 namespace tactus::devices::haply {
 
-/// How the service places the device in the application's space: p_application = t + R (s p), axis
-/// by axis in s. Project frame. A mount (where the device stands, set by a preset) and a workspace
-/// transform (navigation of a scene, which another program may set) are both of this kind.
+/// The service's transform from the device to the application's space: p_application = t + R (s p),
+/// s a factor per axis. Project frame. The mount (the position of the device, set by a preset) and
+/// the workspace transform (navigation in a scene, which another program may set) both have this
+/// form.
 struct Transform {
   haptic::Pose pose{}; ///< t, m, and R
   Vec3 scale{1, 1, 1}; ///< s
@@ -27,7 +28,7 @@ struct Transform {
   [[nodiscard]] Vec3 rotated(const Vec3& v) const noexcept { return pose.rotation.rotated(v); }
   /// A position of the application's space as the device's own: metres of the handle.
   [[nodiscard]] Vec3 point(const Vec3& p) const noexcept { return unscaled(pose.to_local(p)); }
-  /// A velocity of the application's space as the device's own.
+  /// Converts a velocity from the application's space to the device's.
   [[nodiscard]] Vec3 motion(const Vec3& v) const noexcept {
     return unscaled(pose.rotation.inverse().rotated(v));
   }

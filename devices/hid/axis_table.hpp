@@ -16,12 +16,12 @@ struct AxisTable {
   };
   std::array<Source, 6> rows{};
 
-  /// HID's conventions are X right, Y towards the user, Z down: so ours are X, -Z, Y. A device
-  /// without Z gives its slider as height.
+  /// HID's axes are X right, Y towards the user, Z down, so the project's x, y, z are X, -Z, Y. A
+  /// device without Z uses its slider for the height.
   /// early: a device whose axes are right, up, away (is_early_space_mouse).
   [[nodiscard]] static AxisTable default_for(std::uint32_t axes, bool early = false) noexcept;
-  /// Reads rows "x -Z", "rz Ry", "y none", # comments; rows that are not there keep what they are.
-  /// Empty when the text is good, else a sentence; then nothing changes.
+  /// Reads rows "x -Z", "rz Ry", "y none", # comments; axes without a row keep their mapping.
+  /// Returns an empty text, or a sentence if the text is refused; the table is then unchanged.
   [[nodiscard]] std::string read(std::string_view text);
 
   [[nodiscard]] Vec3 position(const Knob& knob) const noexcept;

@@ -25,7 +25,7 @@ bool among(const std::array<std::uint16_t, N>& ids, std::uint16_t id) noexcept {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-// Names come as wide characters; what is not ASCII becomes a question mark.
+// Names are wide characters; characters outside ASCII become question marks.
 std::string narrow(const wchar_t* text) {
   std::string result;
   for (; text && *text; ++text)

@@ -26,10 +26,10 @@ struct Entry {
 /// flags DF_SWAPYZ and DF_INVYZ.
 [[nodiscard]] bool is_early_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
 
-/// Six-axis controllers first, then joysticks and game pads. With all, whatever HID there is.
+/// Six-axis controllers first, then joysticks and game pads. With `all`, every HID.
 [[nodiscard]] std::vector<Entry> catalogue(HidLibrary& library, bool all = false);
 
-/// The device's own description; nothing when this transport does not tell.
+/// The device's own report descriptor; empty if this transport does not provide it.
 [[nodiscard]] std::optional<ReportDescriptor> describe(HidLibrary& library, hid_device* device,
                                                        const std::string& path);
 

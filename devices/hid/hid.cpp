@@ -11,7 +11,7 @@ namespace tactus::devices::hid {
 namespace {
 
 constexpr double kHalf_m = 0.05; // the workspace is +-50 mm
-constexpr int kWait_ms = 20;     // between two looks at what the other threads want
+constexpr int kWait_ms = 20;     // interval at which requests of other threads are checked
 constexpr int kLowBattery = 10;
 constexpr std::uint8_t kLightReport = 4;
 

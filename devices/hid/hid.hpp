@@ -12,10 +12,10 @@
 
 namespace tactus::devices::hid {
 
-/// A SpaceMouse, or any HID with axes: position without force. A thread of its own waits for
-/// reports and decodes them; the servo takes the newest out of a mailbox. Deflection that is
-/// position glides from report to report, which come several ticks apart (linear_glide.hpp): so its
-/// velocity is the hand's, and a scene's contact is a hit. Settings: device WHICH, mapping
+/// A SpaceMouse, or any HID with axes: position without force. A separate thread waits for reports
+/// and decodes them; the servo reads the newest from a mailbox. Reports are several ticks apart, so
+/// a deflection used as position is interpolated between them (linear_glide.hpp): its velocity is
+/// then the hand's, and a contact in a scene is reported as a hit. Settings: device WHICH, mapping
 /// position|rate, speed MM_PER_S, deadzone PERCENT, led 0|1, table FILE, transport
 /// any|hidraw|libusb. docs/devices/hid.md
 class Hid final : public haptic::Backend {
@@ -53,19 +53,19 @@ private:
   bool space_mouse_ = false;
   std::thread reader_;
 
-  // between the threads
+  // Shared by the threads.
   Mailbox<Knob> knobs_;
   std::atomic<bool> stopping_{false}, lost_{false}, rate_{false}, light_{true};
   std::atomic<double> speed_m_per_s_{0.1}, dead_zone_{0.03};
   std::atomic<int> battery_percent_{-1};
 
-  Decoder decoder_; // the listener's
+  Decoder decoder_; // used by the listener thread
   AxisTable table_; // fixed while it is open
   std::uint32_t axes_ = 0;
   double step_ = 0;
   bool has_buttons_ = false;
 
-  // the servo's
+  // Used by the servo's thread.
   Vec3 position_{};
   haptic::LinearGlide glide_; // of deflection as position
   double time_s_ = 0;

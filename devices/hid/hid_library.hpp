@@ -12,8 +12,9 @@ namespace tactus::devices::hid {
 /// The build of hidapi to use.
 enum class Transport { kAny, kHidraw, kLibusb };
 
-/// The functions of hidapi that the driver calls. hidapi has two builds: hidraw goes through the
-/// kernel's HID driver and knows each device's description, libusb takes the device away from it.
+/// The functions of hidapi that the driver calls. hidapi has two builds: hidraw uses the kernel's
+/// HID driver and provides each device's report descriptor; libusb detaches the device from the
+/// kernel.
 class HidLibrary {
   SharedLibrary library_;
   static constexpr auto kOptional = LibraryFunction::Needed::kNo;

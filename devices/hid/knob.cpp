@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3, kBattery = 0x17;
 constexpr std::size_t kThreeAxes = 7, kSixAxes = 13; // bytes, the id included
-constexpr std::size_t kMaxPadded = 16;               // with some bytes of filling
+constexpr std::size_t kMaxPadded = 16;               // with padding
 constexpr double kMinScale = 100, kMaxScale = 2000;  // a description outside is ignored
 
 double number(std::span<const std::uint8_t> report, std::size_t at) noexcept {

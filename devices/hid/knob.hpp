@@ -15,25 +15,25 @@ constexpr std::size_t kAxes = 9; ///< X Y Z Rx Ry Rz Slider Dial Wheel, in the o
 struct Knob {
   std::array<double, kAxes> share{}; ///< of full deflection, -1..1
   std::uint32_t buttons = 0;
-  int battery_percent = -1; ///< -1: it has not said
+  int battery_percent = -1; ///< -1: not reported
 };
 
 /// Decodes the reports of one device.
 class Decoder {
 public:
-  /// For the SpaceMouse family: the length of a report decides its content, since devices differ
-  /// from their descriptions. The full scale comes from the description where it has one.
+  /// For the SpaceMouse family: the length of a report determines its content, since devices
+  /// deviate from their descriptors. The full scale is taken from the descriptor if it has one.
   [[nodiscard]] static Decoder space_mouse(const ReportDescriptor& description);
   /// For all other devices: by their description.
   [[nodiscard]] static Decoder described(const ReportDescriptor& description);
 
-  /// True when the report said something that the knob now shows.
+  /// True if the report changed the knob's state.
   bool decode(std::span<const std::uint8_t> report) noexcept;
   [[nodiscard]] const Knob& knob() const noexcept { return knob_; }
-  /// Bit n: there is such an axis.
+  /// Bit n: the device has axis n.
   [[nodiscard]] std::uint32_t axes() const noexcept { return axes_; }
   [[nodiscard]] bool has_buttons() const noexcept { return buttons_; }
-  /// The coarsest step of X, Y, Z, as a share.
+  /// The largest resolution step of X, Y, Z, relative to full deflection.
   [[nodiscard]] double step() const noexcept { return step_; }
 
 private:

@@ -40,12 +40,12 @@ struct Field {
 struct ReportDescriptor {
   std::vector<Field> fields; ///< axes 0x30..0x38 of the desktop page, and buttons
   bool numbered = false;     ///< reports begin with their id
-  bool complete = true;      ///< false when the description broke off; what came before stands
+  bool complete = true;      ///< false if truncated; the fields before that are valid
   /// Usage of the first application collection, 0 when there is none.
   std::uint16_t page = 0, usage = 0;
 };
 
-/// Reads any bytes: what is cut short, contradicts itself or is absurdly large ends the reading.
+/// Accepts any bytes: a truncated, contradictory or absurdly large item ends the reading.
 [[nodiscard]] ReportDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 /// The field's value in a report (with its id byte, if numbered); false when the report is another

@@ -21,7 +21,7 @@ constexpr int kErrorHold_ticks = 500;
 constexpr int kSettling_ticks = 50; // of the library's velocity after a calibration; our guess
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
-constexpr int kPoll_ms = 20; // between two looks at whether the opening was cancelled
+constexpr int kPoll_ms = 20; // interval at which a cancelled opening is detected
 
 // The vendor has one scheduler for all of its devices.
 std::mutex scheduler_guard;
@@ -90,7 +90,7 @@ std::string Device::configure(std::span<const std::string> words) {
 
 std::string Device::try_names(const std::string& requested) {
   std::vector<const char*> names{"Default Device", "Default PHANToM", nullptr};
-  if (!requested.empty()) // and no other device in its place
+  if (!requested.empty()) // never another device instead
     names = {requested.c_str()};
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
@@ -103,7 +103,7 @@ std::string Device::try_names(const std::string& requested) {
       handle_ = library_.init_device(name);
       error = library_.take_errors();
       if (handle_ != kNoDevice && is_open("openhaptics", std::to_string(handle_))) {
-        handle_ = kNoDevice; // the other's: it goes on
+        handle_ = kNoDevice; // it belongs to another object, which keeps it
         return "openhaptics: the device is open in this program already: close it there";
       }
       if (handle_ != kNoDevice && error == kSuccess)
@@ -113,7 +113,7 @@ std::string Device::try_names(const std::string& requested) {
       handle_ = kNoDevice;
     }
     if (error == kNoLicence)
-      break; // waiting buys none
+      break; // waiting does not help
   }
   std::string tried;
   for (const char* name : names)
@@ -226,10 +226,10 @@ unsigned int Device::on_tick(void* self) noexcept {
   return more ? kCallbackContinue : kCallbackDone;
 }
 
-/// False when it was the last one.
+/// Returns false after the last step.
 bool Device::tick() noexcept {
   update_calibration_status();
-  stepping_ = true; // before looking at stopping_: halt looks in the other order
+  stepping_ = true; // before reading stopping_: halt() accesses them in the reverse order
   const bool more = !stopping_;
   if (more)
     step_(context_);
@@ -255,8 +255,8 @@ void Device::update_calibration_status() noexcept {
   calibration_status_ = calibration_;
 }
 
-/// In the best style that the device has, as the vendor's examples choose it. Encoders are reset
-/// only when the user, who holds the arm in its reset position, asks for it.
+/// Uses the best style that the device has, chosen as in the vendor's examples. Encoders are reset
+/// only when the user, who holds the arm in its reset position, requests it.
 void Device::update_calibration(bool requested) noexcept {
   int styles = 0;
   library_.get_integers(kCalibrationStyle, &styles);

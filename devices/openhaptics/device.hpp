@@ -25,8 +25,8 @@ public:
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   void set_wrist(const haptic::WristCommand& command) noexcept override;
-  /// "device NAME": the name under which the vendor's set-up tool knows it. "home" or "calibrate":
-  /// the vendor's library looks at the calibration again.
+  /// "device NAME": the device's name in the vendor's setup tool. "home" or "calibrate": the
+  /// vendor's library checks the calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -66,7 +66,7 @@ private:
   Vec3 torque_n_m_{};          // of the next write
   bool torque_driven_ = false; // since the opening; then zero is sent, too
 
-  // Both sides
+  // Shared by the scheduler's thread and others.
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};
   std::atomic<bool> calibration_requested_{false}, needs_reset_position_{false};
   std::atomic<Code> error_{kSuccess}, calibration_status_{kCalibrated};

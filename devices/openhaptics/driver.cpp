@@ -25,7 +25,7 @@ bool seen_on_usb() {
   return false;
 }
 
-/// The vendor's library cannot be asked what is there without waking the device.
+/// The vendor's library cannot list devices without waking them.
 std::vector<Found> list() {
   std::vector<Found> known;
   for (Opened& device : open_devices("openhaptics"))

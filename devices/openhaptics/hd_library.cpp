@@ -16,7 +16,7 @@ std::vector<const char*> file_names() {
 #endif
 }
 
-/// A device that does not answer matters more than one that is warm.
+/// A device that does not answer ranks above warm motors.
 int severity(Code code) noexcept {
   switch (code) {
   case kSuccess:

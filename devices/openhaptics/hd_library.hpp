@@ -31,7 +31,7 @@ enum Ability : Code {
   kForceRamping = 0x4002,
 };
 
-/// Values that are asked for and set.
+/// Values that can be read, and some set.
 enum Value : Code {
   kButtons = 0x2000,
   kPosition = 0x2050,     ///< mm
@@ -111,8 +111,9 @@ public:
   Function<void(unsigned long hz)> set_scheduler_rate{library_, "hdSetSchedulerRate",
                                                       kOptional}; ///< may be null
 
-  /// Empty when every function is there; else a sentence that says what is missing and what to do.
-  /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
+  /// Returns an empty text if every function was found; else a sentence about what is missing and
+  /// what to do. The environment variable PHANTOM_LIBHD names the file; without it the usual names
+  /// are tried.
   [[nodiscard]] std::string load();
 
   /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if

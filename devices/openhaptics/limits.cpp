@@ -21,7 +21,7 @@ constexpr Model kModels[] = {
 };
 constexpr Model kUnknown{"", 3.3, 0.88, 400.0, 4.0, 0.075};
 
-// Of the Premiums with six motors: CHAI3D's figure.
+// For the Premiums with six motors; value of CHAI3D.
 constexpr double kTorque_n_m = 0.188;
 
 // A position step of 450 a inch, the coarsest of the family.
@@ -33,7 +33,7 @@ bool contains(std::string_view name, std::string_view word) noexcept {
          }) != name.end();
 }
 
-/// The device's own figure, scaled, when it lies within what such devices can be; else the other.
+/// The device's own value, scaled, if it is plausible for such devices; else the default.
 double query_limit(const HdLibrary& library, Code value, double scale, double min_value,
                    double max_value, double fallback) noexcept {
   double answer = 0;

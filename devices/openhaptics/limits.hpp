@@ -12,7 +12,7 @@ namespace tactus::devices::openhaptics {
 /// model: as hdGetString(model type) gives it.
 [[nodiscard]] haptic::Caps table_caps(std::string_view model) noexcept;
 
-/// The same, with every figure that the open device itself gives and that is plausible.
+/// The same, replaced by every plausible value that the open device reports.
 [[nodiscard]] haptic::Caps device_caps(const HdLibrary& library, std::string_view model) noexcept;
 
 } // namespace tactus::devices::openhaptics

@@ -67,7 +67,7 @@ private:
   contact::SoundingBody body_;
   contact::FrictionLaw law_;
   unsigned seed_ = 1;
-  double steps_ = 1; ///< as given; whole numbers count
+  double steps_ = 1; ///< as given; the fraction is ignored
 };
 
 struct ContactFriction::Rows {

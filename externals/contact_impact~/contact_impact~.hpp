@@ -89,7 +89,7 @@ private:
   void launch() {
     const double factor =
         variation_ > 0 ? contact::StrikeScatter::draw(variation_, 0, random_).speed_factor : 1;
-    // Who falls from h arrives with sqrt(2 g h).
+    // A mass that falls from height h arrives with sqrt(2 g h).
     body_.launch_mass(0, factor * factor * last_.gap_m, factor * last_.velocity_m_per_s);
   }
   void reset() {
@@ -101,7 +101,7 @@ private:
   contact::ImpactLaw law_;
   double mass_kg_ = 0.02, gravity_m_per_s2_ = 0, variation_ = 0;
   unsigned seed_ = 1;
-  Launch last_{0, 1}; // as it was meant
+  Launch last_{0, 1}; // before variation
   Random random_;     // of variation
   std::size_t reported_ = 0;
 };

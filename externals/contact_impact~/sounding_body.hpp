@@ -54,7 +54,7 @@ public:
     ExcitedBody::reset();
     seam_.cut();
   }
-  /// Factor of the sound; while there is some, it glides.
+  /// Gain of the sound; changes are smoothed while the body sounds.
   void set_gain(double gain) noexcept { gain_ = gain; }
   [[nodiscard]] double gain() const noexcept { return gain_; }
   /// The sound of a velocity of the body, within +-1.
@@ -132,7 +132,7 @@ private:
 
   static constexpr double kGainTime = 0.01; // s
   double mass_kg_ = 0.3;
-  Seam seam_; // where the body is changed while it sounds
+  Seam seam_; // fades between the old and the new body while it sounds
   double gain_ = 0, smooth_gain_ = 0, smoothing_ = 1;
   std::vector<ListedMode> modes_;
   std::vector<double> pickup_;

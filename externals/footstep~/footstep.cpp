@@ -62,8 +62,9 @@ void Footstep::prepare(double sample_rate, std::size_t) {
 void Footstep::apply() noexcept {
   gait_.set({settings_.speed_m_per_s, settings_.weight_n, settings_.shoe, settings_.gait},
             settings_.variation);
-  const Drive::Settings drive{settings_.drive_gain, settings_.sensitivity_g, settings_.limit_g,
-                              settings_.delay_ms / 1000, settings_.common};
+  const ActuatorSignals::Settings drive{settings_.drive_gain, settings_.sensitivity_g,
+                                        settings_.limit_g, settings_.delay_ms / 1000,
+                                        settings_.common};
   for (Side& side : *sides_) {
     side.foot.set_weight(settings_.weight_n);
     side.foot.set_shoe(settings_.shoe);
@@ -169,7 +170,7 @@ void Footstep::calibrate(std::span<const Atom> arguments, Host& host) {
 
 void Footstep::equalise(std::span<const Atom> arguments, Host& host) {
   std::vector<double> numbers;
-  DriveEqualiser trial;
+  ActuatorEqualiser trial;
   if (!numbers_of(arguments, numbers) || !trial.set(numbers))
     return host.error(
         refusal("equalise", arguments, "up to 16 pairs, rising Hz in 20..2000 and dB in -24..24"));
@@ -232,7 +233,8 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   return out;
 }
 
-/// Of the second foot's sound: it fades out when it is switched off, and is at rest after that.
+/// Gain of the second foot's sound: it fades out when the foot is switched off; then the foot is
+/// reset.
 double Footstep::second_foot_share(bool on) noexcept {
   const double step = 1 / fade_.whole;
   if (on) {

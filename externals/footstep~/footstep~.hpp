@@ -56,7 +56,7 @@ private:
   struct Side {
     Foot foot;
     SoleSensor sensor;
-    double heel_squares = 0, ball_squares = 0; ///< of the drives since the last dump
+    double heel_squares = 0, ball_squares = 0; ///< actuator signals' squares since the last dump
     std::shared_ptr<const Surface> first, second;
   };
   /// The last sample before a reset, which fades out.
@@ -76,7 +76,7 @@ private:
     unsigned seed = 1;
   };
 
-  // What a message asks of the gait, from its sample on.
+  // Commands of messages to the gait; each takes effect at its sample.
   struct Step {
     std::size_t foot;
   };
@@ -137,9 +137,9 @@ private:
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
   Fade fade_;
-  double second_foot_ = 0;              ///< 0: it is off, 1: it sounds, between: it fades
+  double second_foot_ = 0;              ///< gain before the cosine: 0 off, 1 on, between: fading
   double gain_ = 1, smoothed_gain_ = 1; ///< smoothed while something sounds
-  std::size_t next_foot_ = 0;           ///< of a bang and its like
+  std::size_t next_foot_ = 0;           ///< for messages that name no foot
   std::array<Event, kMaxEvents> events_{};
   std::size_t event_count_ = 0;
   double measured_ = 0; ///< samples since the last dump
@@ -151,7 +151,7 @@ struct Footstep::Rows {
   static constexpr std::array<std::string_view, 5> styles{"walk", "run", "sneak", "upstairs",
                                                           "downstairs"};
   static constexpr std::array<std::string_view, 2> units{"newton", "weight"};
-  /// A setting that everything is told of when it has changed.
+  /// A setting whose change calls apply().
   template <auto setting>
   static constexpr auto applied = member<&Self::settings_, setting>.template then<&Self::apply>();
   static constexpr std::array parameters{

@@ -34,7 +34,7 @@ void Footstep::begin_block(double start_ms) noexcept {
   if (!std::isfinite(start_ms))
     return movements_.expire_all();
   const std::int64_t sample = std::llround(1e-3 * start_ms * sample_rate_);
-  // Consecutive blocks join exactly, however the division rounds.
+  // Rounding must not open a gap of one sample between consecutive blocks.
   if (std::abs(sample - clock_) > 1)
     clock_ = sample;
 }

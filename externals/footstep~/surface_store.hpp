@@ -30,13 +30,13 @@ struct Surface {
 /// search path.
 class SurfaceStore {
 public:
-  /// Null after one error if there is none of this name or its recipe has a mistake. Reads a file:
-  /// not for the audio path.
+  /// Null after one error if the name is unknown or its recipe has a mistake. Reads a file: not for
+  /// the audio path.
   std::shared_ptr<const Surface> find(std::string_view name, Host& host);
   [[nodiscard]] std::shared_ptr<const Surface> built_in(std::string_view name);
 
 private:
-  static constexpr std::size_t kMaxCachedRecipes = 32; ///< texts remembered
+  static constexpr std::size_t kMaxCachedRecipes = 32; ///< cached texts
   std::shared_ptr<const Surface> from_text(std::string_view name, std::string_view text,
                                            std::string& error_text);
   std::vector<std::shared_ptr<const Surface>> cache_;

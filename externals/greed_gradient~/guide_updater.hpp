@@ -28,7 +28,7 @@ public:
   [[nodiscard]] bool progress_changed() noexcept;
   /// Returns once why the map is computed in the host's time although in_background was true.
   [[nodiscard]] std::string take_error() { return std::exchange(thread_error_, {}); }
-  /// Share computed of the present or the last map, 0..1.
+  /// Fraction of the current or the last map that is computed, 0..1.
   [[nodiscard]] double progress() const noexcept;
 
   /// Audio thread. Null until the first map is finished; valid until the next call.
@@ -40,7 +40,7 @@ private:
   [[nodiscard]] bool obsolete() const noexcept;
   [[nodiscard]] MapWorker::Portion portion();
 
-  /// What the worker uses, and may hold for a portion longer than this.
+  /// The data that the worker uses; it may keep them for a portion longer than this object lives.
   struct Maps {
     GrowthMap map;
     PlaneGuide finished_guide;

@@ -46,8 +46,8 @@ template <std::size_t count>
   return preset;
 }
 
-/// Sends the name of the preset that the parameters are, apart from gain, note and what a preset
-/// leaves, to the 24 bits of Pd's numbers.
+/// Sends the name of the preset that equals the parameters, except gain, note and the parameters
+/// that a preset does not set. Compared to 24 bits, the precision of Pd's numbers.
 inline void dump_preset(const reed::Parameters& now, Host& host) {
   const auto same = [&](const reed::Parameters& preset) {
     return std::all_of(reed::kRows.begin(), reed::kRows.end(), [&](const reed::Row& row) {

@@ -14,7 +14,7 @@ using net::text_of;
 constexpr double kShortest_s = 5e-4;
 constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kMaxCoordinate_mm = 1e5;
 
-/// Numbers of a sane size; false when one is a word or is not.
+/// Reads numbers of at most 1e5 in magnitude; false if one is a word or beyond that.
 template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<double, N>& values) {
   for (std::size_t i = 0; i < N; ++i) {
     if (atoms[i].is_word || !(std::abs(atoms[i].number) <= kMaxCoordinate_mm))
@@ -86,12 +86,14 @@ void HapticServerObject::close(Host& host) {
   host.info({"status", "closed"});
 }
 
-/// The servo's steps are the patch's, its time is the wall's: clients live in that.
+/// The patch's clock triggers the servo's steps, but their time is wall-clock time, since clients
+/// run on it.
 void HapticServerObject::tick(std::size_t, Host& host) {
   if (!service_)
     return;
   service_->sockets.poll();
-  // Ticks of one block of audio come at one moment; time must go on between two steps.
+  // Several ticks of one audio block run at the same wall-clock moment; two steps need different
+  // times.
   if (const double now_s = haptic::ForceTimeout::now_s(); now_s - stepped_s_ >= kShortest_s) {
     stepped_s_ = now_s;
     servo_.step({++ticks_, now_s, kPeriod_ms * 1e-3});

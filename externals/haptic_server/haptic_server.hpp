@@ -27,7 +27,7 @@ private:
   /// The server, its sockets and its link to the servo, which exist while the object listens.
   struct Service;
   struct Rows;
-  /// From the next open on.
+  /// Settings that take effect at the next `open`.
   struct Limits {
     double port = net::kPort, force_n = 3, stiffness_n_per_m = 500, damping_n_s_per_m = 5,
            grab_mm = 10;

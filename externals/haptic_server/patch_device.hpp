@@ -4,7 +4,7 @@
 
 namespace tactus::haptic_server {
 
-/// A device whose position the patch gives, and whose force the patch gets.
+/// A simulated device: the patch sets its position and receives its force.
 class PatchDevice final : public haptic::Backend {
 public:
   [[nodiscard]] std::string open() override { return {}; }
@@ -20,7 +20,7 @@ public:
   }
 
   void set_caps(const haptic::Caps& caps) noexcept { caps_ = caps; }
-  /// m; before the first there is no force.
+  /// m. Before the first position the force is zero.
   void set_position(const Vec3& position) noexcept {
     state_.position = position;
     state_.flags = haptic::State::kHomed;

@@ -15,7 +15,7 @@ using net::text_of;
 
 constexpr double kPerSecond = 1e3, kReportInterval_ms = 500;
 
-/// A whole number from `least` to 65535; below 0 when the atom is none.
+/// A whole number from min_port to 65535; -1 if the atom is not one.
 int port_of(const Atom& atom, int min_port) noexcept {
   const bool whole = !atom.is_word && atom.number == std::floor(atom.number);
   return whole && atom.number >= min_port && atom.number <= 65535 ? static_cast<int>(atom.number)
@@ -114,7 +114,7 @@ void IoaLink::tick(std::size_t, Host& host) {
   const double now_s = host.now_ms() / kPerSecond;
   const double next_s =
       link_.poll(now_s, [&](const net::BusLink::Delivered& one) { deliver(one, host); });
-  if (link_.open()) // what was let out may have ended it
+  if (link_.open()) // a receiver of the messages may have closed it
     host.wake_in(0, std::max(0.0, kPerSecond * (next_s - now_s)));
 }
 

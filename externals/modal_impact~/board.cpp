@@ -13,7 +13,7 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr double kGapWarningRatio = 0.1; // of the diagonal of both
+constexpr double kGapWarningRatio = 0.1; // relative to the diagonal of the box around both
 
 bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.number) <= kFarthest; }
 

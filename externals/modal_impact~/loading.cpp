@@ -42,7 +42,7 @@ bool ModalImpact::must_wait(const Message& row, Numbers numbers,
   return true;
 }
 
-/// Silence: strikes that wait are not for later.
+/// Silences the object: waiting strikes are dropped.
 void ModalImpact::reset(Numbers, Host& host) {
   waiting_count_ = static_cast<std::size_t>(
       std::remove_if(waiting_.begin(),
@@ -57,10 +57,10 @@ void ModalImpact::carry_out_waiting(Host& host) {
   body_.adopt();
   if (!body_.model() && loads_first())
     return;
-  std::size_t count = 0; // of those whose turn it is
+  std::size_t count = 0; // messages whose request has been answered
   while (count < waiting_count_ && waiting_[count].after <= answered_)
     ++count;
-  if (body_.model()) // else an error has said why there is none
+  if (body_.model()) // else the missing body has been reported
     for (const WaitingMessage& kept : std::span(waiting_).first(count))
       (this->*kept.carry_out)(std::span(kept.numbers).first(kept.count), host);
   std::move(waiting_.begin() + static_cast<std::ptrdiff_t>(count),

@@ -24,7 +24,7 @@ A, B, H = 0.32, 0.20, 0.005            # m
 E, NU, RHO = 70.3e9, 0.33, 2700.0      # Pa, 1, kg/m^3
 LOSS = 8e-4                            # in a frame; the bare metal has a tenth of it
 HIGHEST = 16000.0                      # Hz
-RANGE = 0.25                           # of each side, that the corner may move
+RANGE = 0.25                           # how far the corner may move, relative to each side
 COLUMNS, ROWS = 48, 30                 # cells of the surface mesh
 
 

@@ -14,7 +14,7 @@ using namespace modal_impact;
 
 namespace {
 
-/// Modes times triangles times listeners of a model that is built within a millisecond.
+/// Upper limit of modes x triangles x listeners for a model that is built at once (within 1 ms).
 constexpr std::size_t kMaxInlineWork = 5000;
 constexpr double kNepersIn60dB = 6.907755278982137;
 
@@ -41,7 +41,7 @@ void ModalImpact::begin_block(double start_ms) noexcept {
   if (!std::isfinite(start_ms))
     return body_.begin_block(std::numeric_limits<std::int64_t>::max() / 2); // everything is due
   const std::int64_t sample = std::llround(1e-3 * start_ms * sample_rate_);
-  // Consecutive blocks join exactly, however the division rounds.
+  // Rounding must not open a gap of one sample between consecutive blocks.
   if (std::abs(sample - body_.clock()) > 1)
     body_.begin_block(sample);
 }
@@ -118,7 +118,7 @@ void ModalImpact::request(bool at_once, Host& host) {
 }
 
 void ModalImpact::rebuild_model(bool changes_body) {
-  const bool waits = answered_ < worker_.requested(); // for tables, which are to sound so, too
+  const bool waits = answered_ < worker_.requested(); // tables being read need the settings, too
   if (!table_ && !waits)
     return;
   const BodySettings now = settings();
@@ -174,9 +174,9 @@ void ModalImpact::accept(TableJob::Answer answer, Host* host) {
     return;
   const bool supported = accept_support(*answer.model, same, host);
   table_ = answer.table;
-  if (!missing_arrays(*table_, settings().radiation).empty()) // an error has said so
+  if (!missing_arrays(*table_, settings().radiation).empty()) // this has been reported
     settings_.radiation = BodySettings().radiation;
-  if (loaded) { // the displacements belong to the old body
+  if (loaded) { // the displacements were those of the old body
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = warned_still_ = false;
     wanted_.solved = nullptr;
@@ -190,7 +190,7 @@ void ModalImpact::accept(TableJob::Answer answer, Host* host) {
   if (solved && host)
     resolved(*host);
   if (loaded && host && !has_cords_)
-    host->wake_in(kLoadedTimer, 0); // the patch has no cords yet
+    host->wake_in(kLoadedTimer, 0); // the patch's connections do not exist yet
   else if (loaded && host)
     post_loaded(*host);
   if (in_use_.board.number != before.board.number && host && !table_->parts.empty()) {

@@ -50,8 +50,8 @@ private:
   enum class Limit { kAuto, kOn, kOff };
   enum class Sync { kBackground, kAtOnce, kInOrder };
   enum class Resolve { kAuto, kOff };
-  /// What a message waits for: the first body while it is read; strikes and info with `sync 2` also
-  /// for changes before them.
+  /// The event that a message waits for. kForBody: the first body, while it is read. kAsStrike and
+  /// kAsInfo: with `sync 2` also the changes requested before the message.
   enum class Waits { kNever, kForBody, kAsStrike, kAsInfo };
   static constexpr std::size_t kFewNumbers = 8; ///< of a message that allocates nothing
   static constexpr std::size_t kMaxWaiting = 64;
@@ -66,17 +66,17 @@ private:
   void begin_block(double start_ms) noexcept;
   /// The sample of a message that arrives now.
   [[nodiscard]] std::int64_t sample_now(const Host& host) const;
-  /// A message of numbers, at once or when what it waits for is there.
+  /// A message of numbers: runs at once, or when the event that it waits for has occurred.
   template <auto handler, Waits waits = Waits::kNever>
   void numeric(const Message& row, std::span<const Atom> arguments, Host& host) {
     carry_out(row, arguments, handler, waits, host);
   }
   void carry_out(const Message& row, std::span<const Atom> arguments,
                  void (ModalImpact::*handler)(Numbers, Host&), Waits waits, Host& host);
-  /// Whether changes are computed where they are asked for.
+  /// Whether changes are computed in the calling thread.
   [[nodiscard]] bool at_once() const;
-  /// Whether the message must wait for the first body, which is being read, or with `sync 2` for
-  /// changes before it: it is then kept. A full queue refuses it in a sentence. Allocates nothing.
+  /// Whether the message must wait (see Waits); it is then stored. If the queue is full it is
+  /// refused with an error. Allocates nothing.
   [[nodiscard]] bool must_wait(const Message& row, Numbers numbers,
                                void (ModalImpact::*handler)(Numbers, Host&), Waits waits,
                                Host& host);
@@ -92,7 +92,7 @@ private:
   void hit_vertex(Numbers numbers, Host& host);
   void hit_face(Numbers numbers, Host& host);
   void strike(const SurfacePoint& point, double speed, Host& host, bool falls = false);
-  /// What a strike is meant to be, as `variation` lets it be.
+  /// A strike with the random scatter of `variation`.
   [[nodiscard]] Hit varied(Hit hit) noexcept;
   void set_normal(Numbers numbers, Host& host);
   void set_striker(Numbers numbers, Host& host);
@@ -170,21 +170,21 @@ private:
   /// changes_body: strikes may have to wait for it (`sync 2`).
   void rebuild_model(bool changes_body = true);
   void build_here(const BodySettings& now);
-  /// Takes other settings, and builds their model.
+  /// Changes a setting and rebuilds the model.
   template <class T> void change(T& setting, const T& value, bool changes_body = true) {
     if (setting == value)
       return;
     setting = value;
     rebuild_model(changes_body);
   }
-  /// Asks for what is wanted now, to be had at once or from the worker's thread.
+  /// Sends the current request, to be carried out at once or in the worker's thread.
   void request(bool at_once, Host& host);
   void take_tables(Host* host);
   void accept(TableJob::Answer answer, Host* host);
   /// Whether the first body is being read.
   [[nodiscard]] bool loads_first() const noexcept { return !table_ && answered_ < load_; }
-  /// False if the body cannot rest on its points: the last valid ones are restored, and a model of
-  /// them is to be built.
+  /// False if the body cannot rest on its points: restores the last valid points; the caller must
+  /// then build a model of them.
   bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
   BodySettings settings_;
@@ -193,21 +193,21 @@ private:
   Sync sync_ = Sync::kBackground;
   Resolve resolve_ = Resolve::kAuto;
   double restitution_ = 1, variation_ = 0;
-  double max_modes_ = 0, voices_ = 8, listeners_ = 2; ///< as given; whole numbers count
+  double max_modes_ = 0, voices_ = 8, listeners_ = 2; ///< as given; the fraction is ignored
   BodySettings last_valid_;                           ///< the last valid `rest`
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
-  TablesInUse in_use_;       ///< what table_ is made of
-  TableJob::Request wanted_; ///< what it should be made of, as far as it can be read
+  TablesInUse in_use_;       ///< the files of table_
+  TableJob::Request wanted_; ///< the requested files and settings
   Host* host_ = nullptr;     ///< lives as long as the object; for the worker's callback
   bool created_ = false;
-  bool has_cords_ = false; // the box has been made, and with it its cords
+  bool has_cords_ = false; // the box and its connections exist
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;
   std::size_t waiting_count_ = 0;
-  /// Numbers of the worker's requests: the last that was answered, the last that changes the body,
-  /// not only where it is heard, and the last that reads a body.
+  /// Numbers of the worker's requests: the last one answered, the last one that changes the body
+  /// (not only its listeners), and the last one that reads a body.
   std::uint64_t answered_ = 0, body_change_ = 0, load_ = 0;
   /// The last for other settings of the present table; 0: the model here has them.
   std::uint64_t model_request_ = 0;
@@ -226,7 +226,7 @@ private:
   double solve_s_ = 0; ///< the last one's duration
   bool solving_ = false, solver_unavailable_ = false, solve_failed_ = false;
   std::optional<std::vector<double>> settle_displacement_m_; ///< at the start of the settle timer
-  /// In a render: answered at a set logical time.
+  /// In a render the request is answered after a fixed logical time.
   std::optional<ModeJob::Request> solver_request_;
   ModeSolver solver_;
   TableWorker worker_;
@@ -238,7 +238,7 @@ struct ModalImpact::Rows {
   using Words = std::string_view;
   static constexpr std::array<Words, 2> contacts{"coupled", "pulse"}, resolves{"auto", "off"};
   static constexpr std::array<Words, 3> limits{"auto", "on", "off"};
-  /// Settings of the model, which is then built again.
+  /// Settings of the model; a change rebuilds it.
   template <auto... path>
   static constexpr auto
       model = member<&Self::settings_, path...>.template then<&Self::model_changed>();

@@ -45,7 +45,7 @@ std::string ModeJob::launch(const Request& request) {
 
 std::optional<ServedProgram::Message>
 ModeJob::await(const Turn<Answer>& turn, const ServedProgram::Expects& expects, std::string& lost) {
-  while (!turn.given_up()) {
+  while (!turn.is_superseded()) {
     if (auto message = child_->poll(expects, lost); message || !lost.empty())
       return message;
     child_->wait(kPollInterval_s);
@@ -137,7 +137,7 @@ double ModeJob::work(const Request& request, Turn<Answer>& turn) {
     answer.lost = true;
     answer.refusal = std::move(lost);
   }
-  if (answer.table || !answer.refusal.empty()) // else given up
+  if (answer.table || !answer.refusal.empty()) // else the request was cancelled
     turn.hand_over(std::move(answer));
   return kNever;
 }

@@ -12,8 +12,8 @@
 
 namespace tactus::modal {
 
-/// The path of modal_fem: beside this module, else in PATH; or the given program, a path if it has
-/// a slash. Empty if there is none that can be run.
+/// The path of modal_fem: beside this module, else in PATH. `program`, if given, replaces it and is
+/// a path if it contains a slash. Empty if no such program can be run.
 [[nodiscard]] std::string find_modal_fem(const std::string& program);
 
 /// Computes the modes of a body at other shapes with the child process `modal_fem serve`. The child
@@ -49,7 +49,7 @@ public:
 private:
   [[nodiscard]] std::string launch(const Request& request);
   /// Waits for a message of the child. None if the child was lost (reason in `lost`) or the request
-  /// was given up.
+  /// was cancelled.
   [[nodiscard]] std::optional<ServedProgram::Message>
   await(const Turn<Answer>& turn, const ServedProgram::Expects& expects, std::string& lost);
   /// Waits until a started child has loaded the body. False with the reason in `lost`, which is

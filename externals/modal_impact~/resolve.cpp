@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kSettleTime_ms = 150; // without a move, as in [stress_haptic]
 constexpr double kBatchReply_ms = 10;  // a render's logical time from request to answer
-// Of the trust distance. A hand at rest trembles by less, and within it the derivatives, whose
-// error is quadratic, are right to about 1e-6.
+// Fraction of the trust distance below which the shape counts as unmoved. The tremor of a hand at
+// rest is smaller; within it the derivatives, whose error is quadratic, are accurate to about 1e-6.
 constexpr double kMovedRatio = 0.01;
 
 double max_norm(const std::vector<Vec3>& offsets) {
@@ -137,7 +137,7 @@ void ModalImpact::accept_solution(ModeJob::Answer result, Host& host) {
   }
   if (resolve_ == Resolve::kOff)
     return;
-  if (result.before.get() != &table_->body()) // a solution came meanwhile
+  if (result.before.get() != &table_->body()) // another solution arrived first
     return start_settle_timer(0, host);
   if (result.fraction < 1) {
     solve_failed_ = true;
@@ -168,7 +168,7 @@ void ModalImpact::reset_solver(Host* host) {
   ModeJob::Request none;
   none.number = ++load_number_;
   if (!solver_.is_here()) {
-    static_cast<void>(solver_.request(none)); // it has its thread
+    static_cast<void>(solver_.request(none)); // cannot fail: the thread exists
   } else {
     solver_.request_here(none);
     solver_.finish();

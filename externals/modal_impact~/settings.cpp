@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-/// Settings that are messages, in the answer to `dump`: sent back, they restore the object.
+/// The answer to `dump` for settings that are messages: sending them back restores the object.
 namespace tactus::modal {
 
 using namespace modal_impact;

@@ -13,7 +13,7 @@
 namespace tactus::modal {
 namespace {
 
-/// Null with the reason in `refusal`.
+/// On failure returns null and sets `refusal`.
 std::shared_ptr<const LoadedTable> read(const TableFile& file, std::string& refusal) {
   std::vector<std::byte> bytes;
   ModalTable table;
@@ -59,7 +59,7 @@ bool TableJob::next(const Request& request, Tables& changed, std::string& subjec
   return true;
 }
 
-/// Returns why not, else empty.
+/// Returns an empty text, or why the tables cannot be joined.
 std::string TableJob::join(Tables changed) {
   if (!changed.body)
     return "there is no body yet: load one first";
@@ -77,7 +77,7 @@ std::string TableJob::join(Tables changed) {
   return {};
 }
 
-/// A table a piece, then the model.
+/// Each call handles one table; the last call builds the model.
 double TableJob::work(const Request& request, Turn<Answer>& turn) {
   std::string subject, refusal;
   try {

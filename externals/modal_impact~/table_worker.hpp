@@ -9,30 +9,31 @@
 
 namespace tactus::modal {
 
-/// A table's file, by its number among those that were asked for; 0: none.
+/// A table's file and the number of the request that named it; 0: none.
 struct TableFile {
   std::string path, name; ///< as the user wrote it
   std::uint64_t number = 0;
 };
 
-/// The files that a body sounds by.
+/// The table files of the current body.
 struct TablesInUse {
   TableFile body, board;    ///< path empty: no board
   std::uint64_t solved = 0; ///< number of the solution for the body's shape; 0: as it was read
 };
 
-/// Reads tables, and builds the model of a body. What cannot be read is one sentence, once, and
-/// what was there before stays.
+/// Reads tables and builds the model of a body. A table that cannot be read is reported once, and
+/// the previous tables stay in use.
 class TableJob {
 public:
   struct Request {
     TableFile body, board;
     Vec3 board_displacement_m{}; ///< in the body's axes
-    /// The table of a body of this number in another shape, in its place; null: none.
+    /// The table of the body with the number `solved_body` in another shape, which replaces it;
+    /// null: none.
     std::shared_ptr<const LoadedTable> solved;
     std::uint64_t solved_body = 0, solved_number = 0;
     BodySettings settings;
-    std::uint64_t shaped_body = 0; ///< whose shape parameters `settings` displaces
+    std::uint64_t shaped_body = 0; ///< body of the displacements in `settings`
   };
   struct Answer {
     TablesInUse in_use;
@@ -42,7 +43,8 @@ public:
   static constexpr const char* kOutOfMemory = "not enough memory: the body sounds on as before";
 
   double work(const Request& request, Turn<Answer>& turn);
-  /// Why a table cannot radiate as asked; empty: it can. `instead`: what happens then.
+  /// Why a table does not support the requested radiation; empty if it does. `instead`: the
+  /// radiation used then.
   [[nodiscard]] static std::string radiation_refusal(const LoadedTable& table, Radiation radiation,
                                                      Radiation instead);
 
@@ -52,14 +54,15 @@ private:
     std::shared_ptr<const LoadedTable> body, board, both;
     Vec3 board_displacement_m{};
   };
-  /// Begins with what the next table changes, and what is said of it; false: none is asked for.
+  /// Starts the next change: sets `changed` and the subject of its error text. False if nothing is
+  /// requested.
   [[nodiscard]] bool next(const Request& request, Tables& changed, std::string& subject,
                           std::string& refusal);
   [[nodiscard]] std::string join(Tables changed);
 
   Tables tables_;
   std::uint64_t body_seen_ = 0, board_seen_ = 0, solved_seen_ = 0; ///< whether read or refused
-  std::string radiation_refusal_;                                  ///< said of the last model
+  std::string radiation_refusal_;                                  ///< as last reported
 };
 
 using TableWorker = Worker<TableJob>;

@@ -9,7 +9,7 @@ inline constexpr double kMillimetre = 0.001; ///< m, the unit of positions in me
 inline constexpr double kFarthest = 1e6;     ///< mm, the largest coordinate of a position
 /// The words of modal::Radiation, in its order.
 inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
-/// With limit auto: gains from here on are for measuring, and nothing is limited.
+/// With `limit auto`: at this gain or above the output serves measurements and is not limited.
 inline constexpr double kMeasuringGain = 0.1;
 
 } // namespace tactus::modal_impact

@@ -150,13 +150,13 @@ void Phantom::on_devices(Host& host) {
 }
 
 void Phantom::on_name(Words words, Host& host) {
-  if (signals_offered_)
+  if (signals_published_)
     host.publish(signal_link_name(name_), nullptr);
   name_ = text_of(words[0]);
-  signals_offered_ = created_ && host.publish(signal_link_name(name_), rig_->signals);
+  signals_published_ = created_ && host.publish(signal_link_name(name_), rig_->signals);
   if (!created_)
     return; // creation does the rest
-  if (!signals_offered_)
+  if (!signals_published_)
     host.error("name " + name_ + ": another phantom has it; phantom~ finds that one");
   if (exchange().motors.request().stopped)
     latch_stop();
@@ -273,9 +273,9 @@ void Phantom::replace_rig(Host& host) {
   next->scene.publish(scene_.snapshot());
   next->network.publish(network_.snapshot());
   next->effects.set(effect_settings_);
-  if (signals_offered_) {
+  if (signals_published_) {
     host.publish(signal_link_name(name_), nullptr);
-    signals_offered_ = host.publish(signal_link_name(name_), next->signals);
+    signals_published_ = host.publish(signal_link_name(name_), next->signals);
   }
   rig_ = std::move(next);
   runner_ = std::make_shared<devices::ServoThread>();
@@ -341,10 +341,10 @@ void Phantom::watch_worker(Host& host) {
     return;
   }
   const bool again = link_ == Link::kOpening;
-  worker_.reset(); // the thread keeps what it works on, and ends when the call returns
+  worker_.reset(); // the thread owns its data and ends when the call returns
   host.error(late + " has not returned for 1 s; its thread is left behind. Switch the device off "
                     "and on; if it does not open then, restart the host");
-  if (again) { // it waited behind that call
+  if (again) { // the new opening was queued behind that call
     if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_);
         !refusal.empty())
       return closed("open: " + refusal, host);

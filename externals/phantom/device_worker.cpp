@@ -47,7 +47,7 @@ std::string DeviceWorker::enqueue(Task task) {
     return "the program ends";
   if (!state_->has_thread) {
     const devices::ScopedSignalMask
-        mask; // inherited by the drivers' threads, which the worker starts
+        mask; // the drivers' threads inherit it, since the worker starts them
     try {
       std::thread([state = state_] { state->work(); }).detach();
     } catch (const std::system_error& error) {

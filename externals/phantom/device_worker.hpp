@@ -16,7 +16,7 @@ namespace tactus::phantom {
 
 /// A thread that opens, runs, closes and lists devices, since a call of a driver may take seconds
 /// or never return. The host's thread waits for none of these calls: it queues tasks, which run in
-/// their order, and reads answers. The thread owns what it works on; it finishes its tasks also
+/// order, and reads answers. The thread owns the objects that it uses and finishes its tasks even
 /// after this object is destroyed.
 class DeviceWorker {
 public:
@@ -71,14 +71,14 @@ public:
                                    std::uint64_t ticket);
   /// Lists the devices of all drivers.
   [[nodiscard]] std::string list();
-  /// Abandons earlier requests to open; a device that opens all the same is closed.
+  /// Abandons earlier requests to open; a device that is opened nevertheless is closed.
   void abandon();
 
   /// The next answer, if there is one.
   [[nodiscard]] std::optional<Answer> take();
   /// Whether tasks are queued or running.
   [[nodiscard]] bool busy() const;
-  /// Asks an abandoned opening to end. To be repeated while busy().
+  /// Asks the driver to cancel an abandoned opening. Call it repeatedly while busy().
   void cancel_unwanted();
   /// The driver's call that has not returned for longer than `limit_s` after it was abandoned, such
   /// as "closing the device"; empty when there is none.

@@ -34,13 +34,13 @@ struct DeviceWorker::State {
   double since_s = 0; ///< when it began or, of an opening, was abandoned; 0: still requested
   std::unique_ptr<DriverUse> use;
 
-  std::mutex ready_mutex; ///< held while `ready` is called, which takes no time
+  std::mutex ready_mutex; ///< locked while `ready` is called, which returns at once
   std::function<void()> ready;
 
   void invalidate_ticket();
   void cancel_unwanted();
 
-  // the thread's side
+  // The functions below run in the worker's thread.
   void work();
 
 private:

@@ -10,12 +10,12 @@ namespace tactus::phantom {
 namespace {
 
 constexpr double kFirstPause_s = 0.25, kMaxPause_s = 4;
-constexpr double kFall_s = 0.2; // for the force to fall at the slew limit
+constexpr double kFall_s = 0.2; // time in which the force falls at the slew limit
 constexpr double kOneHour_s = 3600;
 
 } // namespace
 
-/// With the lock held.
+/// The caller holds the lock.
 void DeviceWorker::State::invalidate_ticket() {
   ticket = ~std::uint64_t{0};
   if (called && since_s == 0)
@@ -71,7 +71,7 @@ void DeviceWorker::State::work() {
     working = false;
     changed.wait(lock, [this] { return ending || !tasks.empty(); });
     if (tasks.empty()) {
-      // Devices that were opened and never taken.
+      // Opened devices that the host's thread has not taken over.
       const std::deque<Answer> untaken = std::move(answers);
       answers.clear();
       lock.unlock();
@@ -181,8 +181,8 @@ void DeviceWorker::State::run(const Task& task) {
           session.rig->device, std::move(refusal)});
 }
 
-/// Ends the session and closes the device. Whether the device took the zero force. Waits for a call
-/// that hangs, since the device must not be closed during it.
+/// Ends the session and closes the device. Returns whether the device accepted the zero force.
+/// Waits for a call that hangs, since the device must not be closed during a call.
 bool DeviceWorker::State::end(Task& task) {
   const std::string name = task.driver ? std::string(task.driver->name) + ": " : std::string();
   begin_call(name + "closing the device", nullptr);

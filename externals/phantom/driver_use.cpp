@@ -97,7 +97,7 @@ DriverUse::Listed DriverUse::known(const devices::Driver& driver) {
       continue;
     }
     entry->state = state;
-    if (!serial.empty()) // an open device knows more of itself than the list did
+    if (!serial.empty()) // the open device reports more than the list
       entry->identity = use->identity_;
   }
   return listed;

@@ -25,7 +25,7 @@ public:
 
   /// Whether other objects use devices of this driver, too.
   [[nodiscard]] bool shared() const;
-  /// The device is open now.
+  /// Marks the device as open.
   void opened(haptic::Identity identity);
   /// The device is about to be closed: enter() of this driver waits until this object is destroyed.
   void leave();
@@ -33,7 +33,7 @@ public:
   /// The devices of one driver: its own list or, while it is in use, the last list and the devices
   /// in use.
   struct Listed {
-    std::string problem; ///< why the driver cannot work
+    std::string problem; ///< why the driver is unavailable
     std::vector<devices::Found> found;
   };
   [[nodiscard]] static Listed list(const devices::Driver& driver);

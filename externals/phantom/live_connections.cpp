@@ -19,7 +19,7 @@
 namespace tactus::phantom {
 namespace {
 
-// How long the end of the program waits for devices that hang.
+// How long the end of the program waits for devices that do not respond.
 constexpr double kExit_s = 0.8;
 
 struct Registry {
@@ -34,13 +34,13 @@ Registry& registry() {
 }
 
 void let_all_go() {
-  // Only the host's thread, which ends the process, could register another.
+  // Needs no lock: only the host's thread registers objects, and it is ending the process.
   for (LiveConnection* one : registry().all)
     one->let_go();
   DeviceWorker::join_all(kExit_s);
 }
 
-// What the signal handler reads: no lock, no memory that is ever freed.
+// The data that the signal handler reads: without locks, in memory that is never freed.
 constexpr int kMaxMotors = 256;
 struct Slot {
   std::atomic<haptic::MotorControl*> motors{nullptr};
@@ -59,11 +59,12 @@ template <class Visit> bool all_driven(Visit visit) noexcept {
   return all;
 }
 
-/// The servos get 200 ms to write zero force, their drivers 50 ms to send it; then the process ends
-/// as it would have. Only calls that are safe in a signal handler.
+/// Signal handler. Waits up to 200 ms until the servos have written zero force and 50 ms until
+/// their drivers have sent it; then the process ends by the signal's default action. Calls only
+/// functions that are safe in a signal handler.
 void on_termination(int number) {
   const timespec tick{0, 1'000'000}, sending{0, 50'000'000};
-  handling = true; // from here on no motors' memory is freed
+  handling = true; // ~TerminationGuard() now waits, so the motors' memory stays valid
   all_driven([](haptic::MotorControl& motors) { return motors.emergency_stop(), true; });
   for (int waited = 0; waited < 200; ++waited) {
     if (all_driven([](haptic::MotorControl& motors) { return motors.zero_force_confirmed(); }))
@@ -113,7 +114,8 @@ TerminationGuard::~TerminationGuard() {
   Slot& slot = slots[static_cast<std::size_t>(slot_)];
   slot.motors = nullptr;
   slot.driven = false;
-  // Either the handler reads the null, or we see that it runs; it then ends the process.
+  // Either the handler reads null, or this thread sees that the handler runs; the handler then ends
+  // the process.
   while (handling)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   slot.taken = false;

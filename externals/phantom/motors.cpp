@@ -26,7 +26,7 @@ void Phantom::on_estop(Host& host) {
   send_estop(host);
 }
 
-/// Motors off until `motors 1`, as the parameter then says.
+/// Switches the motors off until `motors 1`; the parameter then reads 0.
 void Phantom::switch_off() noexcept {
   given_.motors = false;
   exchange().motors.disable();
@@ -46,7 +46,7 @@ void Phantom::latch_stop() noexcept {
     latch(device_key_);
 }
 
-/// Takes over the stop of an earlier object with this name or device.
+/// Applies the stop that an earlier object latched for this name or device.
 void Phantom::inherit_stop(const std::string& key, Host& host) {
   if (!estop_latched(key))
     return;

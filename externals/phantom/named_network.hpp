@@ -29,7 +29,7 @@ public:
     return std::make_unique<const haptic::Network>(network_);
   }
   [[nodiscard]] const haptic::Network& network() const noexcept { return network_; }
-  /// The key of a movable mass; 0 and a sentence when there is none of that name.
+  /// The key of a movable mass; 0 and a sentence if no mass has that name.
   struct Found {
     std::uint64_t key = 0;
     std::string refusal{};
@@ -47,7 +47,7 @@ public:
 private:
   struct Name {
     std::string name;
-    std::string group; ///< of a string's or membrane's masses: its name
+    std::string group; ///< the string or membrane that the mass belongs to
   };
   static constexpr double kDrag_per_s = 1; // a sound dies by 60 dB in 14 s without a damper
   static constexpr std::size_t kNone = haptic::NetworkPickup::kNone;

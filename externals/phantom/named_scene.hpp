@@ -26,7 +26,7 @@ public:
   [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
   /// The name of a body, also of one that was removed recently.
   [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
-  /// The stiffest body and its name; none in an empty scene.
+  /// The stiffest body and its name; empty for an empty scene.
   struct NamedStiffness {
     std::string name;
     double stiffness_n_per_m = 0;
@@ -44,7 +44,7 @@ private:
     std::string name;
     bool is_number = false;
     haptic::Body body;
-    std::string description; ///< as it was added
+    std::string description; ///< the words after `scene add NAME`
   };
   struct RemovedBody {
     std::uint64_t key;

@@ -51,8 +51,8 @@ std::string NamedNetwork::change(Words words, const Host& host) {
          "drag, gravity, rate or reset";
 }
 
-/// Adds a mass, or changes one of that name: it keeps its motion and its links, and a reset then
-/// puts it at the new position.
+/// Adds a mass, or changes the mass of that name. A changed mass keeps its motion and its links;
+/// `reset` then moves it to the new position.
 std::string NamedNetwork::add_mass(Words words) {
   constexpr Range ranges[] = {kPointMass, near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())

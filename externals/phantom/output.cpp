@@ -14,7 +14,7 @@ using namespace phantom;
 
 namespace {
 
-constexpr double kMaxHostStall_s = 0.1; // without a call of collect(), which comes every 5 ms
+constexpr double kMaxHostStall_s = 0.1; // between calls of collect(), normally every 5 ms
 
 } // namespace
 
@@ -63,7 +63,7 @@ void Phantom::collect(Host& host) {
     send_timing(host);
 }
 
-/// The patch's time of a moment of the servo's clock, ms.
+/// Converts a time of the servo's clock to the patch's logical time, ms.
 double Phantom::patch_ms(double servo_s) const noexcept {
   return wall_ ? clock_map_.host_ms(servo_s) : servo_s * 1e3;
 }

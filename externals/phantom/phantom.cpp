@@ -24,7 +24,7 @@ constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
 // Audio that has not run for this long, and two blocks, no longer steps the servo.
 constexpr double kAudioTimeout_ms = 20;
-constexpr std::uint64_t kOfferInterval_ticks = 64; // ticks
+constexpr std::uint64_t kPublishInterval_ticks = 64; // ticks
 
 } // namespace
 
@@ -47,8 +47,8 @@ double Phantom::period_s() const noexcept {
   return 1.0 / given_.rate_hz;
 }
 
-/// Lets the force fall at the slew limit, for 200 ms at most, and ends the simulated device's
-/// thread. The servo of a real device is ended by the worker.
+/// Ramps the force down at the slew limit, for at most 200 ms, and ends the simulated device's
+/// thread. For a real device the worker ends the servo.
 void Phantom::fade_out() noexcept {
   if (driver_ || !runner_->running())
     return;
@@ -120,7 +120,7 @@ void Phantom::apply_simulation_settings() noexcept {
 
 void Phantom::created(Host& host) {
   created_ = true;
-  signals_offered_ = host.publish(signal_link_name(name_), rig_->signals);
+  signals_published_ = host.publish(signal_link_name(name_), rig_->signals);
   if (name_ != "-")
     inherit_stop(name_key(name_), host);
   if (!driver_)
@@ -203,7 +203,7 @@ void Phantom::publish(double now_s) noexcept {
   exchange().commands.write(command_);
 }
 
-/// The inlets' values of one logical instant make one force.
+/// Values that arrive at several inlets in one logical instant form one force.
 void Phantom::force_changed(Host& host) {
   if (input_refused_) {
     ++command_.refused;
@@ -240,8 +240,8 @@ void Phantom::tick(std::size_t timer, Host& host) {
   if (!open())
     return;
   // An object that had the name may have been deleted.
-  if (!signals_offered_ && ++ticks_since_offer_ % kOfferInterval_ticks == 0)
-    signals_offered_ = host.publish(signal_link_name(name_), rig_->signals);
+  if (!signals_published_ && ++ticks_since_publish_ % kPublishInterval_ticks == 0)
+    signals_published_ = host.publish(signal_link_name(name_), rig_->signals);
   const double now = host.now_ms() + kTimeTolerance_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {

@@ -140,7 +140,7 @@ private:
   void send_estop(Host& host);
   void switch_off() noexcept;
 
-  // trouble.cpp: what is wrong with a real device
+  // trouble.cpp: faults of a real device
   void watch_device(Host& host);
   void handle_lost_device(Host& host);
   void handle_device_fault(Host& host);
@@ -236,7 +236,7 @@ private:
   std::string device_key_{};              // of the real device that was opened last
   std::vector<std::string> estop_keys_{}; // the latches that motors 1 releases
   bool estop_reported_ = false, warm_reported_ = false, clipping_reported_ = false;
-  bool braking_reported_ = false, frozen_reported_ = false, clipping_told_ = false;
+  bool braking_reported_ = false, frozen_reported_ = false, clipping_logged_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
   std::string path_name_ = "still";
@@ -244,13 +244,13 @@ private:
   Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, learning_ = false, restart_grids_ = false, own_workspace_ = false;
-  bool signals_offered_ = false;                // the rig's signals are published under name_
-  double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
+  bool signals_published_ = false;              // the rig's signals are published under name_
+  double origin_ms_ = 0, output_origin_ms_ = 0; // origins of the tick and output grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
   double stepped_s_ = 0;                        // time of the last of them
-  std::uint64_t audio_blocks_ = 0, ticks_since_offer_ = 0;
-  double audio_ms_ = -1e9; // when audio was last seen to step
+  std::uint64_t audio_blocks_ = 0, ticks_since_publish_ = 0;
+  double audio_ms_ = -1e9; // when audio last stepped the servo
 
   std::optional<Vec3> sent_{};
   bool has_report_ = false;

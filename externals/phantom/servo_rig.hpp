@@ -23,7 +23,7 @@ struct ServoRig {
   haptic::ActiveEffects active_effects{effects};
   std::shared_ptr<haptic::SignalLink> signals = std::make_shared<haptic::SignalLink>();
   haptic::LocalModels<2> patch_models{{signals.get(), &active_effects}}; ///< forces of the patch
-  std::shared_ptr<haptic::Backend> device{};                             ///< a real one
+  std::shared_ptr<haptic::Backend> device{};                             ///< a real device
   haptic::Servo servo{};
   TerminationGuard guard{servo.exchange().motors};
 

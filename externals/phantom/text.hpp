@@ -13,8 +13,8 @@ namespace tactus::phantom {
 /// A word, or a number's shortest text.
 [[nodiscard]] std::string text_of(const Atom& atom);
 
-/// The words of a line, with numbers as numbers. Blanks, commas and semicolons separate them; #
-/// starts a comment. The words refer to the line's text.
+/// Splits a line into words; numbers become numeric atoms. Blanks, commas and semicolons separate
+/// words; # starts a comment. The words point into the line.
 [[nodiscard]] std::vector<Atom> words_of(std::string_view line);
 
 /// Reads the text file that the words name and passes each line to `handle`, without the message's

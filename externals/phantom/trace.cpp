@@ -9,7 +9,7 @@ namespace tactus::phantom {
 
 std::string Trace::open(const std::string& path) {
 #ifdef _WIN32
-  file_.reset(_wfopen(utf8_path(path).c_str(), L"wb")); // the same bytes as elsewhere
+  file_.reset(_wfopen(utf8_path(path).c_str(), L"wb")); // binary: the same bytes on all systems
 #else
   file_.reset(std::fopen(path.c_str(), "w"));
 #endif

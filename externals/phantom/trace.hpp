@@ -17,8 +17,8 @@ public:
   /// Empty when every row has reached the file.
   std::string close();
   [[nodiscard]] bool is_open() const noexcept { return file_ != nullptr; }
-  /// ms: the tick's time on the clock that the file has. Ticks are counted on where the servo
-  /// begins again.
+  /// ms: the tick's time on the clock of the file's time column. Row numbers continue if the servo
+  /// restarts.
   void write(const haptic::Report& report, double ms);
 
 private:

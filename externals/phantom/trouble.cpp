@@ -15,12 +15,13 @@ namespace {
 constexpr double kPollInterval_ms = 50;
 constexpr double kDebounce_ms = 100; // a trouble is reported after this time
 constexpr double kClear_ms = 500;    // its end is reported after this time without trouble
-constexpr double kStall_s = 1;       // without a tick of the servo, before that is reported
+constexpr double kStall_s = 1;       // a servo without a tick for this long is reported
 
 } // namespace
 
 /// Reports changes of the device's state flags and faults. The first report after opening always
-/// says whether the device is homed, as that may have happened before this thread could look.
+/// includes whether the device is homed, since it may have been homed before this thread first read
+/// the flags.
 void Phantom::watch_device(Host& host) {
   if (!open())
     return;
@@ -109,8 +110,8 @@ void Phantom::watch_trouble(Host& host) {
     host.log(trouble_);
 }
 
-/// Reports what the chain does with the force, so that the user knows why another one is felt than
-/// the patch asks for. Sentences of the first time only, but for warm motors and a freeze.
+/// Reports how the force chain changes the force, so that the user knows why the force felt differs
+/// from the patch's request. Clipping is logged once, warm motors and a freeze each time.
 void Phantom::watch_chain(Host& host) {
   const haptic::Report& report = exchange().reports.latest();
   if (!open() || !has_report_)
@@ -132,7 +133,7 @@ void Phantom::watch_chain(Host& host) {
     host.log(name + ": the motors are warm: force is limited to about " +
              newtons(report.derated_to_n) + " until they cool");
   if (changed("clipped", report.clipping, clipping_reported_) &&
-      !std::exchange(clipping_told_, true))
+      !std::exchange(clipping_logged_, true))
     host.log(name + ": " + newtons(report.asked_n) + " asked for, of which " +
              newtons(settings_.chain.force_limit_n) +
              " are felt (forcemax, or the device's peak); status clipped tells it from now on");

@@ -12,8 +12,8 @@
 
 namespace tactus {
 
-/// [phantom~]: signals as forces into the servo of a [phantom], its positions as signals out. The
-/// two find each other by name, in any order of creation and deletion.
+/// [phantom~]: signals as forces into the servo of a [phantom], and its positions as signals out.
+/// The two objects find each other by name, whichever is created or deleted first.
 class PhantomSignal {
 public:
   static const Declaration declaration;

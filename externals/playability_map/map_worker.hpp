@@ -17,8 +17,8 @@ namespace tactus::reed {
 /// here waits.
 class MapWorker {
 public:
-  /// Computes some nodes from `first` on and returns the number of final nodes; called until that
-  /// is all of them. It holds what it uses: its last call may end after the worker.
+  /// Computes some nodes from `first` on and returns the number of final nodes; called until all
+  /// are final. It must own its data: its last call may end after the worker is destroyed.
   using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
 
   /// Has a thread compute another map, after the portion in progress. Returns an error text when
@@ -30,7 +30,7 @@ public:
                           : "no thread starts for the map (" + reason +
                                 "); it is computed in the host's time, which the audio may miss";
   }
-  /// The same without a thread: each step() does one portion.
+  /// As start(), but without a thread: each step() computes one portion.
   void start_stepped(std::size_t nodes, Portion portion) {
     make_grid(nodes, std::move(portion));
     worker_.request_here(grid_);

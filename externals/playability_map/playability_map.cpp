@@ -18,7 +18,7 @@ namespace {
 constexpr double kBatch = 50; // ms between batches of cells
 constexpr std::size_t kCellsPerBatch = 400;
 constexpr unsigned kStepsPerBatch = 10; // portions computed in the host's own time
-constexpr double kGrowthScale = 50;     // 1/s, of the colours
+constexpr double kGrowthScale = 50;     // 1/s, a in the colour's x = (1 + g/(|g| + a))/2
 
 struct Colour {
   double r, g, b;
@@ -129,12 +129,12 @@ void PlayabilityMapObject::compute(Host& host) {
 void PlayabilityMapObject::cancel(Host& host) {
   worker_.cancel();
   if (computing_)
-    total_ = 0; // an unfinished map cannot be drawn
+    total_ = 0; // nothing is left to draw of an unfinished map
   computing_ = drawing_ = false;
   host.wake_in(0, -1);
 }
 
-/// Takes the finished map for look-ups and stores it.
+/// Stores the finished map and uses it for look-ups.
 void PlayabilityMapObject::finish(std::span<const double> nodes) {
   field_.resize(columns_, rows_);
   for (std::size_t n = 0; n < nodes.size(); ++n)

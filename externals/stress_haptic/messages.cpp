@@ -63,7 +63,7 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
   position_m_ = position_m;
   velocity_m_per_s_ = limited(velocity, kMaxSpeed_m_per_s);
   has_position_ = true;
-  sent_force_n_.reset(); // every position is answered by a force
+  sent_force_n_.reset(); // every position sends a force, even an unchanged one
   if (!anchored_) {
     anchor_.jump(position_m_);
     anchored_ = true;

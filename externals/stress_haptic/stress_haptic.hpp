@@ -35,7 +35,7 @@ public:
 
 private:
   struct Rows;
-  /// What gamma is felt as.
+  /// How gamma is rendered on the handle.
   enum class Feel : std::uint8_t { kSpring, kDamper, kBoth, kOff };
   struct Device {
     Feel feel = Feel::kSpring;
@@ -77,7 +77,8 @@ private:
   /// Displacements of a control point's parameters, within their bounds.
   void displace(std::size_t control_point, const Vec3& displacement_m) noexcept;
   [[nodiscard]] Vec3 displacement_of(std::size_t control_point) const noexcept;
-  // Each reports a setting that the table or the object does not support; the rest goes on.
+  // Each function warns of a setting that the table or the object does not support; processing
+  // continues.
   void warn_about_state(Host& host) const;
   void warn_about_weights(Host& host) const;
   void warn_about_resolve(Host& host) const;
@@ -108,11 +109,11 @@ private:
   RenderGains gains_{0, 400, 0, 4};
   LinearGlide gamma_{}, anchor_{};
   bool anchored_ = false;     ///< else the first position becomes the anchor
-  bool has_position_ = false; ///< the handle's position is known
+  bool has_position_ = false; ///< the handle has sent a position
   Vec3 position_m_{}, velocity_m_per_s_{};
   haptic::VelocityEstimator velocity_estimate_;
   Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab
-  // Last output, and its time.
+  // The last outputs and their times.
   std::optional<Vec3> sent_gamma_, sent_force_n_, sent_feedback_;
   double feedback_ms_ = -1e9, info_ms_ = -1e9;
   std::uint64_t feedback_sequence_ = 0;

@@ -18,16 +18,16 @@ public:
   /// SessionRequest::table: of the table in use; a request for another is not evaluated.
   struct Request : SessionRequest {
     std::string path, name;       ///< of the table; name: as the user wrote it
-    std::uint64_t load = 0;       ///< its number among those that were asked for; 0: none
+    std::uint64_t load = 0;       ///< number of the request to load; 0: none
     std::string program;          ///< the solver's; empty: the default search
-    std::uint64_t set_solver = 0; ///< another number starts it anew
+    std::uint64_t set_solver = 0; ///< a different number restarts the solver
     bool wait = false;            ///< for solvers, where the host does not run in real time
   };
   struct Answer {
     std::shared_ptr<const StressTable> table;
     std::uint64_t load = 0;
     bool can_solve = false; ///< a solver is attached
-    SessionResult result;   ///< of no table at first
+    SessionResult result;   ///< empty until a table is loaded
   };
   static constexpr const char* kOutOfMemory =
       "not enough memory for the stress; the last value stays";

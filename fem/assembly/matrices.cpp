@@ -53,9 +53,9 @@ void add(ColumnLanes<Width>& y, double a, const ColumnLanes<Width>& x) noexcept 
     y[c] += a * x[c];
 }
 
-/// y = A x over the lower blocks of a symmetric matrix; block(k, x, y, turned) adds block k of A,
-/// or its transpose, times x[0..2] to y[0..2]. Rows and columns in `held` count as zero; `held` may
-/// be empty.
+/// y = A x from the lower blocks of a symmetric matrix; block(k, x, y, transposed) adds block k of
+/// A, or its transpose, times x[0..2] to y[0..2]. Rows and columns in `constrained` count as zero;
+/// `constrained` may be empty.
 template <std::size_t Width, class Block>
 void multiply(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
               std::span<const double> x, std::span<double> y, std::size_t columns,
@@ -84,7 +84,7 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
   }
 }
 
-/// One vector alone would waste seven of the lanes.
+/// A single vector would use one of eight lanes, so it has its own kernel.
 template <class Block>
 void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
                   std::span<const double> x, std::span<double> y, std::size_t columns,

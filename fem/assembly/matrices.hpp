@@ -72,7 +72,7 @@ struct Matrices {
   void multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const;
 };
 
-/// Called with the share of the work that is done, 0 to 1.
+/// Called with the completed fraction of the work, 0 to 1.
 using Progress = std::function<void(double)>;
 
 /// Integrates and adds up the matrices of all elements and the springs of the supports.

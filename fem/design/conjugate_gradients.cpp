@@ -89,7 +89,8 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
   old_factor.solve(b, std::span(basis).first(n), 1);
   for (std::size_t k = 0; k < vectors; ++k) {
     const auto own = std::span(basis).subspan(k * n, n);
-    // The vectors shrink with the change of K: of unit length the small system stays well scaled.
+    // The vectors shrink with the change of K; scaled to unit length the small system is well
+    // conditioned.
     const double size = std::sqrt(dot(own, own));
     for (double& value : own)
       value = size > 0 ? value / size : 0;
@@ -101,7 +102,7 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
     for (std::size_t i = 0; i < n; ++i)
       basis[(k + 1) * n + i] = own[i] - change[i];
   }
-  // An unchanged K leaves only the first vector: the rank is found.
+  // If K is unchanged only the first vector remains: the rank is determined.
   const std::vector<double> weight =
       solve_of_any_rank(transposed_product(basis, vectors, image, vectors, n),
                         transposed_product(basis, vectors, b, 1, n));

@@ -3,17 +3,18 @@
 
 namespace tactus::fem {
 
-/// Modes whose derivatives are wanted, with further ones.
+/// Modes to be differentiated, followed by further ones.
 struct GivenModes {
   std::span<const double> frequency_hz; ///< ascending
   std::span<const double> shapes;       ///< columns of dofs() numbers, mass-normalised, as in Modes
-  std::size_t count;                    ///< derivatives of the first of them
+  std::size_t count;                    ///< number of leading modes to differentiate
   double same = 1e-3; ///< relative distance of frequencies below which they are one eigenvalue
 };
 
 /// Derivatives d(omega^2)/dp = phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor
 /// 1968), rad^2/s^2 per unit of the parameter, [parameter][mode]. K' and M' are the material
-/// derivatives of the element integrals; held directions stay held, springs follow their faces.
+/// derivatives of the element integrals; constrained directions stay constrained, springs follow
+/// their faces.
 ///
 /// Modes closer than `same` (relative, in frequency) count as one eigenvalue of that multiplicity.
 /// Its derivatives are the eigenvalues, ascending, of the matrix phi_i' (K' - omega^2 M') phi_j

@@ -6,7 +6,7 @@
 namespace tactus::fem {
 namespace {
 
-/// Weights below this move a node by less than rounding moves it.
+/// Smaller weights move a node by less than rounding does.
 constexpr double kNoWeight = 1e-12;
 
 /// Clamped uniform knots: degree + 1 zeros, even steps, degree + 1 ones.
@@ -128,7 +128,7 @@ ControlWeights import_weights(const Mesh& mesh, std::vector<Vec3> control_points
         weights.weight.push_back(w);
       }
     }
-    if (!(std::abs(sum) < 1e-6 || std::abs(sum - 1) < 1e-6)) // no number neither
+    if (!(std::abs(sum) < 1e-6 || std::abs(sum - 1) < 1e-6)) // also refuses NaN
       throw InputError("the weights of node " + std::to_string(n + 1) + " sum to " +
                        std::to_string(sum) + ", expected 1 (it moves with the cage) or 0");
     weights.start.push_back(weights.control.size());

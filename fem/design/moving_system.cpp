@@ -5,8 +5,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Beyond this share of moved elements all are assembled: the ring around the moved ones would be
-/// integrated too.
+/// If more than this fraction of the elements moved, all are assembled: otherwise their neighbours
+/// would be integrated again, too.
 constexpr double kFullAssemblyShare = 0.7;
 
 } // namespace
@@ -71,7 +71,7 @@ std::size_t MovingSystem::update(const Mesh& mesh, const StaticModel& model, Sta
           if (element_state_[around_[k]] == unchanged)
             element_state_[around_[k]] = adjacent;
     }
-    // In the elements' order, so that sums come out as in a full assembly.
+    // In element order, so that the sums are bit-equal to those of a full assembly.
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
       if (element_state_[e] != unchanged)
         add(e, changed_pair_);

@@ -10,7 +10,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Of what is left of a solution without the newer ones: below that it is their rounding.
+/// Relative norm of a solution after orthogonalisation to the newer ones, below which it is
+/// rounding.
 constexpr double kMinRemainder = 1e-9;
 
 double inner_product(std::span<const double> a, std::span<const double> b) {
@@ -20,7 +21,7 @@ double inner_product(std::span<const double> a, std::span<const double> b) {
 } // namespace
 
 void PastSolutions::add(std::span<const double> u) {
-  // Solved again at the same shape, it tells nothing new and would drive out one that does.
+  // A repeated solution of the same shape adds nothing and would displace a useful one.
   if (!kept_.empty() && kept_[0].size() == u.size()) {
     double change = 0;
     for (std::size_t i = 0; i < u.size(); ++i)
@@ -35,7 +36,8 @@ void PastSolutions::add(std::span<const double> u) {
 
 void PastSolutions::start(const Matrices& m, std::span<const double> b, std::span<double> x) const {
   std::fill(x.begin(), x.end(), 0.0);
-  // An orthonormal basis by Gram and Schmidt, twice; what neighbours in a drag differ in is small.
+  // Orthonormal basis by Gram-Schmidt, applied twice, since successive solutions of a drag differ
+  // little.
   const std::size_t n = b.size();
   std::vector<double> basis;
   std::size_t count = 0;

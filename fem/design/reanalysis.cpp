@@ -23,9 +23,9 @@ private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Until a run has measured it: a stretch s along one axis and a squeeze along another change an
-/// element's stiffness by up to (1 + s)^4 and (1 - s)^4, so the condition number of the
-/// preconditioned matrix is about ((1 + s) / (1 - s))^4, of which the logarithm grows by 8 s.
+/// Used until a run has measured it: a stretch s along one axis and a compression along another
+/// change an element's stiffness by up to (1 + s)^4 and (1 - s)^4, so the condition number of the
+/// preconditioned matrix is about ((1 + s) / (1 - s))^4, whose logarithm grows by 8 s.
 constexpr double kFirstGrowth = 8; // d log(condition) / ds of that
 
 /// Iterations to reduce the error by `tolerance` at a condition number: the classical bound.
@@ -45,7 +45,7 @@ const char* name(Method method) noexcept {
 
 struct Refactorisation::Implementation {
   std::unique_ptr<ShiftedFactor> factor;
-  std::vector<Vec3> nodes; ///< of the shape that is factorised
+  std::vector<Vec3> nodes; ///< of the factorised shape
   bool done = false;
 };
 
@@ -75,7 +75,7 @@ struct Reanalysis::Implementation {
   StressSensitivity sensitivity;
   CostModel cost;
   double growth = kFirstGrowth; ///< d log(condition) / d(displacement gradient)
-  double iteration_ratio = 1;   ///< iterations that runs took, of the bound
+  double iteration_ratio = 1;   ///< measured iterations relative to the bound
 
   Implementation(Mesh given, StaticModel own_model, std::vector<DesignVelocity> own_velocities,
                  const ReanalysisSettings& own_settings)

@@ -19,7 +19,7 @@ struct CostModel {
   double product = 0, solve = 0, assembly = 0, factor = 0;
 };
 
-/// Bytes held.
+/// Memory in bytes.
 struct MemoryUse {
   double factor = 0, matrix = 0, sensitivities = 0, mesh = 0;
   [[nodiscard]] double total() const noexcept { return factor + matrix + sensitivities + mesh; }
@@ -27,9 +27,9 @@ struct MemoryUse {
 
 struct ReanalysisSettings {
   double tolerance = 1e-6;            ///< of PCG: ||f - K u|| / ||f||
-  int max_iterations = 60;            ///< of PCG, after which it refuses and asks for a new factor
-  int refactor_iterations = 15;       ///< more than this asks for a new factor
-  std::size_t max_past_solutions = 5; ///< whose best combination PCG starts from; 0: from zero
+  int max_iterations = 60;            ///< PCG refuses beyond this and recommends a new factor
+  int refactor_iterations = 15;       ///< more PCG iterations than this recommend a new factor
+  std::size_t max_past_solutions = 5; ///< PCG starts from their best combination; 0: from zero
   bool sensitivities = true; ///< S for the Taylor update: one back-substitution a parameter
 };
 
@@ -88,7 +88,7 @@ public:
   [[nodiscard]] StressUpdate taylor() const;
   /// At parameters(): assembles the elements that moved since the last assembly and solves.
   StressUpdate solve(Method);
-  /// By the cheaper of PCG and a new factor, as the cost model expects.
+  /// Solves by PCG or a new factor, whichever the cost model expects to be faster.
   StressUpdate solve();
 
   /// Tolerance of further PCG solutions, ||f - K u|| / ||f||. Coarser while a control point is

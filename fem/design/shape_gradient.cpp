@@ -6,7 +6,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Of a mean element's size: the difference's truncation (1e-10) and rounding (1e-11) are even.
+/// Relative to the mean element size: there the truncation (1e-10) and rounding (1e-11) of the
+/// difference are of similar size.
 constexpr double kRelativeStep = 1e-5;
 
 /// into_b += weight P grad N_b.

@@ -9,7 +9,8 @@
 namespace tactus::fem {
 namespace {
 
-/// det over the edges' lengths of the straight element that has this Jacobian everywhere.
+/// Determinant over the product of edge lengths, for the straight element with this constant
+/// Jacobian.
 double scaled(Shape shape, const Jacobian& j) {
   const Vec3 &a = j.row[0], &b = j.row[1], &c = j.row[2];
   const double ab = length(b - a), ac = length(c - a), bc = length(c - b);
@@ -75,8 +76,8 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vec3> target, double min_
     return {scaled_jacobian(trial, e), own > 0 ? volume_of(trial, e) / own : 1};
   };
   ValidStep step;
-  // A shorter step may spoil an element that the longer one left valid, so all are asked again
-  // until none objects.
+  // A shorter step may invalidate an element that the longer one left valid, so the elements are
+  // checked again until all are valid.
   for (bool agreed = false; !agreed;) {
     agreed = true;
     step.scaled_jacobian = 1;

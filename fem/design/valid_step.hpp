@@ -14,7 +14,7 @@ inline constexpr double kMinScaledJacobian = 0.05;
 
 /// The admissible part of a step.
 struct ValidStep {
-  double fraction = 1;        ///< of the step that leaves every element valid
+  double fraction = 1;        ///< largest fraction at which every element is valid
   std::size_t element = 0;    ///< that stops the step, where fraction < 1
   double scaled_jacobian = 1; ///< the smallest at the fraction among elements that move
 };

@@ -24,7 +24,7 @@ void isotropic_block(const std::array<double, 9>& d, double lambda, double mu, d
       k[3 * i + j] = lambda * d[3 * i + j] + mu * d[3 * j + i] + (i == j ? trace : 0);
 }
 
-/// Rows of B' for the displacement component i: where the slopes x, y, z stand in Voigt's order.
+/// Rows of B' for the displacement component i: the index in Voigt order of the slopes x, y, z.
 constexpr std::array<std::array<std::size_t, 3>, 3> kStrain{{{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}};
 
 /// (K_ab)_ij = sum over k, l of C_(ik)(jl) D_kl.

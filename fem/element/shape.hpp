@@ -25,7 +25,7 @@ enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15, wedge6, pyr
 inline constexpr std::size_t kShapes = 7;
 inline constexpr int kMaxNodes = 20;
 
-/// What `make` returns for each shape, in the order of the enumeration.
+/// Returns the values of `make` for all shapes, in the order of the enumeration.
 template <class Make> auto for_shapes(Make&& make) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {
     return std::array{make(static_cast<Shape>(i))...};

@@ -15,18 +15,18 @@ struct FactorLimits {
   double finest = 1.0 / 16, coarsest = 1;
 };
 
-/// Cells (elements, or intervals of a grid) with what each adds to each mode's relative error and
-/// the order with which that goes as the cell's size.
+/// Cells (elements, or intervals of a grid) with their contributions to each mode's relative error
+/// and the order in which these scale with the cell's size.
 struct ErrorCells {
   std::vector<std::vector<double>> share; ///< [mode][cell]
   std::vector<double> order;              ///< [cell]
 };
 
 /// Factors on the sizes of cells after which every mode's predicted error, sum_i share[k][i]
-/// factor_i^order_i, is at most `target`. `rule(error, pressure)` gives the factors that Lagrange's
-/// conditions ask for, with one error a cell and a multiplier that makes them smaller; the
-/// multiplier is found by bisection. The modes' errors are weighted, and a mode's weight rises
-/// while its predicted error is above the others'.
+/// factor_i^order_i, is at most `target`. `rule(error, pressure)` returns the factors that satisfy
+/// Lagrange's conditions, given one error per cell and a multiplier; a larger multiplier makes them
+/// smaller. The multiplier is found by bisection. The modes' errors are weighted, and a mode's
+/// weight rises while its predicted error exceeds the others'.
 using FactorRule =
     std::function<std::vector<double>(std::span<const double> error, double pressure)>;
 [[nodiscard]] std::vector<double> balanced_factors(const ErrorCells&, double target,

@@ -28,7 +28,7 @@ const EnrichedShape& enriched_shape(Shape shape) {
   return tables[static_cast<std::size_t>(shape)];
 }
 
-/// Rows of B' for the displacement component i: where the slopes x, y, z stand in Voigt's order.
+/// Rows of B' for the displacement component i: the index in Voigt order of the slopes x, y, z.
 constexpr std::array<std::array<std::array<std::size_t, 2>, 3>, 3> kStrainRows{
     {{{{0, 0}, {5, 1}, {4, 2}}}, {{{1, 1}, {5, 0}, {3, 2}}}, {{{2, 2}, {4, 0}, {3, 1}}}}};
 

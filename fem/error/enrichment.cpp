@@ -57,7 +57,7 @@ std::vector<EnrichingFunction> list(Shape shape) {
     functions.push_back(f);
   }
   for (const Face& face : faces(shape)) {
-    if (is_linear(shape) && face.corners == 3) // the triangle's quadratics are its edges' already
+    if (is_linear(shape) && face.corners == 3) // the edges have all its quadratics
       continue;
     EnrichingFunction f{EntityKind::face, {-1, -1, -1, -1}, {}};
     std::copy_n(face.node.begin(), face.corners, f.corner.begin());
@@ -195,7 +195,7 @@ struct KeyHash {
   }
 };
 
-/// The element's nodes, middles of edges included, that lie on a function's edge or face.
+/// The element's nodes, including mid-edge nodes, that lie on a function's edge or face.
 std::vector<int> nodes_of_entity(Shape shape, const EnrichingFunction& f) {
   std::vector<int> nodes;
   const auto has = [&](int n) { return std::count(f.corner.begin(), f.corner.end(), n) > 0; };

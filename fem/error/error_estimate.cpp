@@ -10,11 +10,11 @@ namespace tactus::fem {
 namespace {
 
 constexpr std::size_t kMaxSteps = 20;
-/// What V + W holds of an element's error: .8 to 1 where modes are smooth, half next to a
+/// Fraction of an element's error that V + W contains: 0.8 to 1 for smooth modes, half next to a
 /// singular line.
 constexpr double kEnrichedShareSmooth = .78, kEnrichedShareSingular = .5;
-/// Steps of conjugate gradients add ever less; what the steps not done would have added is taken
-/// to go on geometrically, by this ratio at most.
+/// Successive CG steps add decreasing amounts. The amounts of the steps not taken are extrapolated
+/// as a geometric series with at most this ratio.
 constexpr double kMaxRatio = .75;
 
 Lanes inner(std::span<const Lanes> a, std::span<const Lanes> b) noexcept {
@@ -42,11 +42,12 @@ public:
         down_(dofs), r_(right), z_(right), p_(right), q_(right), flat_(dofs * kBlockColumns) {}
 
   std::vector<Lanes> right, e; ///< r on entry, and the solution
-  Lanes eta{};                 ///< r'e of the steps done
+  Lanes eta{};                 ///< r'e after the steps so far
   Lanes added{};               ///< by the last step
-  Lanes ratio{};               ///< of the last step's to that of the one before
+  Lanes ratio{};               ///< last step's contribution over the previous one's
 
-  /// Until a step adds less than `settle` of r'e for every column. Returns the number of steps.
+  /// Iterates until a step adds less than `settle` of r'e in every column. Returns the number of
+  /// steps.
   std::size_t solve(std::size_t width, double settle) {
     r_ = right;
     std::fill(e.begin(), e.end(), Lanes{});

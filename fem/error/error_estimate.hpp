@@ -11,11 +11,11 @@ struct ErrorEstimate {
   /// [(mode * elements + element) * 3 + axis]: what each element's reference axis adds to
   /// `relative` of a mode. Elements without axes (tetrahedra) have it all on the first.
   std::vector<float> share;
-  std::size_t iterations = 0; ///< of conjugate gradients, the largest number
+  std::size_t iterations = 0; ///< conjugate gradient steps, largest number of all blocks
 };
 
 struct ErrorSettings {
-  double settle = .05; ///< relative growth of r'e in a step, below which a mode is done
+  double settle = .05; ///< a mode has converged when r'e grows by less in a step
   Progress progress{};
 };
 
@@ -26,14 +26,15 @@ struct ErrorSettings {
 ///
 ///   (K_WW - K_WV K_VV^-1 K_VW) e = r,   r = lambda M_WV u - K_WV u,   lambda_V - lambda_V+W ~ r'e
 ///
-/// K_VV^-1 is the factor that the modes were found with, so V and W are coupled in full. Without
-/// that the error of thin elements, whose bending is too stiff in V, would be missed. Conjugate
-/// gradients with the 3 x 3 diagonal blocks of K_WW, all modes at once; r'e grows from below in
-/// each step, and a mode is done when a step adds less than `settle` of it; what further steps
-/// would add is extrapolated. The error of f is half that of lambda. V + W leaves a share of the
-/// error of V: little where modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a),
-/// 0.41 at an edge of 270 degrees (a = 0.544). So what elements at a singular line add is divided
-/// by 0.5, what others add by 0.78.
+/// K_VV^-1 is the factor that the modes were computed with, so V and W are fully coupled. Without
+/// this coupling the error of thin elements, whose bending is too stiff in V, would be missed. The
+/// system is solved by conjugate gradients, preconditioned with the 3 x 3 diagonal blocks of K_WW,
+/// for all modes at once; r'e grows from below in each step, and a mode has converged when a step
+/// adds less than `settle` of it; the contribution of further steps is extrapolated. The relative
+/// error of f is half that of lambda. V + W does not contain a fraction of the error of V: a small
+/// one where modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a), 0.41 at an edge
+/// of 270 degrees (a = 0.544). So the contributions of elements at a singular line are divided by
+/// 0.5, those of others by 0.78.
 [[nodiscard]] ErrorEstimate estimate_errors(const Mesh&, std::span<const Material>, const Matrices&,
                                             ShiftedFactor&, const Modes&,
                                             const ErrorSettings& = {});

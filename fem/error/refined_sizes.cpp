@@ -31,9 +31,9 @@ double mean_side(const Mesh& mesh, std::span<const int> corners) {
   return sum / static_cast<double>(corners.size());
 }
 
-/// Cells of a mesh, each with its corners and the size that it shall have: at each
-/// corner the smallest size that a cell around wants, grown from the small ones along the cells'
-/// edges (Dijkstra).
+/// The size field of a mesh's cells with the given target sizes: each corner gets the smallest
+/// target of the cells around it, limited to a growth of kSlope along the cells' edges from smaller
+/// ones (Dijkstra).
 SizeField field_of(const Mesh& mesh, const std::vector<std::span<const int>>& cells,
                    std::span<const double> target_sizes) {
   std::vector<double> target_at(mesh.nodes.size(), std::numeric_limits<double>::infinity());
@@ -165,7 +165,7 @@ SizeField refined_swept_sizes(const Mesh& mesh, const SweptLayers& swept, const 
       cells_of_base[static_cast<std::size_t>(e.interval[0])] =
           mesh.nodes_of(e).first(static_cast<std::size_t>(corner_count(e.shape) / 2));
   for (std::size_t c = 0; c < columns; ++c) {
-    factor[c] = std::min(factor[c], 1.0); // without any error: as it was
+    factor[c] = std::min(factor[c], 1.0); // a cell without error keeps its size
     count += std::pow(factor[c], -2);
     factor[c] *= mean_side(mesh, cells_of_base[c]);
   }

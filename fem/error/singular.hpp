@@ -14,11 +14,11 @@ inline constexpr double kSharpTurn = 20 * std::numbers::pi / 180;
 [[nodiscard]] std::vector<std::uint8_t>
 singular_nodes(const Mesh&, std::span<const std::uint8_t> constrained, double turn);
 
-/// Which elements touch a line where the stress is unbounded: an edge of the body with an inner
-/// angle above 200 degrees, or the border of a held patch. There the displacement goes as r^a with
-/// a < 1, and the error of an element as h^(2a) instead of h^4 (Strang & Fix 1973, chapter 8). A
-/// part of a face that is half held and half free counts as the border, unless its nodes are held
-/// along the face only: there the support is a plane of symmetry, where the stress is bounded.
+/// Which elements touch a line of unbounded stress: an edge of the body with an inner angle above
+/// 200 degrees, or the border of a support. There the displacement varies as r^a with a < 1, and
+/// the error of an element as h^(2a) instead of h^4 (Strang & Fix 1973, chapter 8). A face that is
+/// partly supported and partly free counts as the border, unless its nodes are constrained only
+/// along the face: such a support is a plane of symmetry, where the stress is bounded.
 [[nodiscard]] std::vector<std::uint8_t>
 singular_elements(const Mesh&, std::span<const std::uint8_t> constrained);
 

@@ -27,9 +27,9 @@ void write_petsc_vectors(const std::string& path, std::span<const double> vector
 [[nodiscard]] std::vector<double> read_petsc_vector(const std::string& path, std::size_t size);
 
 /// Modes from a SLEPc run: eigenvalues (lambda = omega^2) and vectors as PETSc binary vectors
-/// (`-eps_view_values binary:FILE -eps_view_vectors binary:FILE`). Values of rigid motions are left
-/// out by count, unless they were deflated; the others are normalised and put into canonical
-/// directions.
+/// (`-eps_view_values binary:FILE -eps_view_vectors binary:FILE`). The lowest values, one for each
+/// rigid motion, are dropped unless the rigid motions were deflated; the other modes are normalised
+/// and rotated into canonical directions.
 [[nodiscard]] Modes import_modes(const std::string& values, const std::string& vectors, const Mesh&,
                                  const Matrices&, bool rigid_among_them = true);
 

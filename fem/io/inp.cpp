@@ -15,7 +15,8 @@ namespace {
 constexpr std::array<std::string_view, kShapes> kInpTypes{"C3D4",  "C3D10", "C3D8", "C3D20",
                                                           "C3D15", "C3D6",  "C3D5"};
 
-/// By its number of nodes; letters behind it choose an integration, which is ours here (C3D8R).
+/// The shape with that number of nodes; letters after it select an integration rule, which is
+/// ignored (C3D8R).
 std::optional<Shape> shape_of(std::string_view type) {
   for (std::size_t i = 0; i < kShapes; ++i) {
     const std::string name = lower(kInpTypes[i]);
@@ -34,8 +35,8 @@ bool carries_no_volume(std::string_view type) {
                      [&](std::string_view name) { return type.starts_with(name); });
 }
 
-/// What an analysis does with a body and asks of it, but for the steps, and what linear modes and
-/// stresses do not have.
+/// Keywords of the analysis other than steps (conditions, output requests), and properties that
+/// linear modes and stresses do not use.
 bool is_of_analysis(const std::string& keyword) {
   static const std::set<std::string> kNames{
       "amplitude",       "boundary",          "conductivity", "creep",      "elementoutput",
@@ -46,7 +47,7 @@ bool is_of_analysis(const std::string& keyword) {
   return kNames.contains(keyword);
 }
 
-/// A set by its first spelling; files compare names without regard to case.
+/// A set with the spelling of its first occurrence; names in a file are case-insensitive.
 struct InpSet {
   std::string name;
   std::vector<int> members; ///< indices; -1: an element without volume
@@ -63,7 +64,7 @@ InpSet& set_named(InpSets& sets, const std::string& name) {
 /// What numbers and names mean: of the file, or of an instance, whose names begin with "NAME.".
 struct InpScope {
   std::string prefix;
-  std::map<int, int> node_of, element_of; ///< not hashed: a file chooses its numbers
+  std::map<int, int> node_of, element_of; ///< not hashed: the numbers are untrusted
 };
 
 /// Moves by `shift`, then turns by `angle` about the line through `from` along `axis`, as Abaqus.
@@ -82,7 +83,7 @@ struct Placement {
 
 constexpr std::size_t kMaxInstances = 1000; // each reads its part again
 
-/// Reads the file line by line into a mesh. The last keyword says what data lines mean.
+/// Reads the file line by line into a mesh. The last keyword decides how data lines are read.
 class InpReader {
 public:
   InpReader(const std::string& path, double unit)
@@ -116,7 +117,8 @@ public:
   }
 
 private:
-  /// How a keyword is read: what it may say, and what it and each of its data lines do.
+  /// How a keyword is read: its allowed parameters, and the functions for the keyword and for each
+  /// of its data lines.
   struct Block {
     std::vector<std::string> parameters;
     void (InpReader::*begin)() = nullptr;
@@ -195,7 +197,7 @@ private:
       (this->*block_->begin)();
   }
 
-  /// A part is read for each of its instances, whose names it then has.
+  /// Stores a part's lines: they are read for each instance of the part, under the instance's name.
   void keep_part() {
     if (scope_ != &file_)
       lines_.refuse(keyword_.words + " in an instance", keyword_.line);
@@ -247,7 +249,8 @@ private:
     placement_.axis = (1 / length(axis)) * axis;
     placement_.angle = x[6] * std::numbers::pi / 180;
   }
-  /// *END INSTANCE stands before the part's lines and, read again, behind them.
+  /// *END INSTANCE: the part's lines are read now, followed by a second *END INSTANCE, which ends
+  /// the instance.
   void read_part() {
     if (scope_ == &file_)
       lines_.refuse(keyword_.words + " without *INSTANCE", keyword_.line);
@@ -262,7 +265,7 @@ private:
     }
     placing_ = false;
   }
-  /// A name of the part that is being read, as the assembly calls it.
+  /// Adds the instance's prefix to a name defined in the part.
   void scope_parameter(const char* parameter) {
     if (keyword_.has(parameter) && !keyword_.value(parameter).empty())
       keyword_.parameters[parameter] = scope_->prefix + keyword_.value(parameter);
@@ -317,7 +320,7 @@ private:
   void add_to_element() {
     for (const std::string& cell : lines_.cells())
       pending_.push_back(id(cell));
-    if (!shape_) { // a comma at the end says that the next line goes on
+    if (!shape_) { // a comma at the end continues the element on the next line
       continued_ = lines_.text().ends_with(',');
       if (!continued_)
         end_flat_element();
@@ -335,7 +338,7 @@ private:
     define_element(static_cast<int>(mesh_.elements.size()));
     add_uncollapsed(nodes);
   }
-  /// CalculiX has no pyramid: a brick whose nodes repeat is one, or a wedge or tetrahedron.
+  /// CalculiX has no pyramid: a brick with repeated nodes is a pyramid, wedge or tetrahedron.
   void add_uncollapsed(const std::vector<int>& n) {
     const bool brick = *shape_ == Shape::hex8;
     const bool apex = brick && n[4] == n[5] && n[5] == n[6] && n[6] == n[7];
@@ -420,8 +423,8 @@ private:
       lines_.refuse("no set before it is called " + printable(name, 60));
     return at->second.members;
   }
-  /// A line that names a range or a set is short: without a limit a small file could ask for any
-  /// amount.
+  /// A line with a range or a set's name is short, so without a limit a small file could request
+  /// any amount of memory.
   void limit_sets(std::size_t added) {
     in_sets_ += added;
     if (in_sets_ > 1000 + 100 * mesh_.nodes.size())
@@ -472,7 +475,7 @@ private:
     return sections;
   }
 
-  /// An element that *ELEMENT gives no ELSET is of the smallest one that names it.
+  /// An element without ELSET in *ELEMENT belongs to the smallest set that contains it.
   void take_sets_as_names() {
     std::vector<const InpSet*> smallest_last;
     for (const auto& [key, set] : element_sets_)
@@ -565,8 +568,8 @@ private:
   std::map<std::string, InpLines::Kept> parts_;
   std::set<std::string> unused_parts_;
   std::map<std::string, InpLines::Kept>::const_iterator part_; ///< of the last instance
-  InpScope* scope_ = &file_;                                   ///< what a line defines is of it
-  const InpScope* within_ = &file_;                            ///< what a line names is of it
+  InpScope* scope_ = &file_;                                   ///< scope of definitions
+  const InpScope* within_ = &file_;                            ///< scope of references
   Placement placement_;                                        ///< of the instance being read
   bool placing_ = false;
   int placement_lines_ = 0;

@@ -9,10 +9,10 @@ namespace tactus::fem {
 [[nodiscard]] std::string_view inp_type(Shape) noexcept;
 
 /// Nodes, volume elements (C3D4, C3D5, C3D6, C3D8, C3D10, C3D15, C3D20 and variants), sets, and
-/// materials with their sections of a CalculiX / Abaqus file. A region is what one ELSET and one
-/// section have in common. `unit` is metres a unit of length; constants are in its system
-/// (InpMaterials). The keywords of the analysis, such as *BOUNDARY and *STEP, are passed over and
-/// `notify` names them. Every other keyword, parameter or type of element is refused by its line.
+/// materials with their sections from a CalculiX / Abaqus file. A region is the intersection of one
+/// ELSET and one section. `unit`: metres per unit of length; constants are in the corresponding
+/// unit system (InpMaterials). Keywords of the analysis, such as *BOUNDARY and *STEP, are skipped
+/// and reported by `notify`. Any other keyword, parameter or element type is refused with its line.
 [[nodiscard]] Mesh read_inp(const std::string& path, double unit,
                             const std::function<void(const std::string&)>& notify = {});
 

@@ -30,7 +30,7 @@ public:
   [[nodiscard]] bool is_keyword() const noexcept { return text_.front() == '*'; }
   /// The line as a keyword, with those that continue it: after a comma at its end.
   InpKeyword keyword();
-  /// The line between its commas; one comma at the end is none.
+  /// The line's cells between commas; a single comma at the end adds none.
   [[nodiscard]] std::vector<std::string> cells() const;
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -40,10 +40,10 @@ public:
   using Kept = std::vector<std::pair<std::string, int>>;
   /// The lines from here to the keyword of that name, which is the present line then.
   [[nodiscard]] Kept keep_until(const std::string& name, const InpKeyword& begin);
-  /// Goes on with these lines, then with those behind the present one.
+  /// Reads these lines next, then those after the current one.
   void read_again(const Kept& lines);
 
-  /// Refuses with file and line; the present one where none is named.
+  /// Refuses with file and line; 0: the current line.
   [[noreturn]] void refuse(const std::string& sentence, int line = 0) const;
   /// A number of the line, also with Fortran's exponent (1.5D+03).
   [[nodiscard]] double number(const std::string& cell) const;
@@ -53,7 +53,7 @@ private:
   std::ifstream file_;
   std::string text_; ///< blanks around it removed
   int number_ = 0, in_file_ = 0;
-  Kept again_; ///< the first last
+  Kept again_; ///< in reverse order
 };
 
 } // namespace tactus::fem

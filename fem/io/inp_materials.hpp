@@ -24,7 +24,7 @@ public:
   void begin_section(const InpKeyword&);
   void add_thickness();
 
-  /// Directions of a part are turned with its instance; of none by default.
+  /// Rotates the directions of a part with its instance; by default there is no rotation.
   using Turn = std::function<Vec3(const Vec3&)>;
   void turn_by(Turn turn) { turn_ = std::move(turn); }
 
@@ -57,7 +57,7 @@ private:
   Turn turn_;
   std::string last_material_, last_orientation_;
   enum class Constants { isotropic, engineering, stiffness } type_ = Constants::isotropic;
-  std::vector<std::string> constants_; ///< of *ELASTIC: nine stand on two lines
+  std::vector<std::string> constants_; ///< of *ELASTIC: nine constants take two lines
 };
 
 } // namespace tactus::fem

@@ -80,10 +80,10 @@ void send_text(Kind kind, const std::string& text) noexcept {
   std::signal(SIGPIPE, SIG_IGN);
   const int null_device = open("/dev/null", O_RDWR);
   if (null_device < 0)
-    _exit(1); // it would keep the terminal
+    _exit(1); // else stdin and stdout would remain the parent's
   dup2(null_device, STDIN_FILENO);
   dup2(null_device, STDOUT_FILENO); // the CAD kernel prints its statistics
-  if (!under_address_sanitizer())   // which reports there
+  if (!under_address_sanitizer())   // the sanitizer reports on stderr
     dup2(null_device, STDERR_FILENO);
   g_pipe = dup2(pipe_end, STDERR_FILENO + 1);
   if (close_range(static_cast<unsigned>(g_pipe) + 1, ~0U, 0) != 0) // before Linux 5.9
@@ -109,7 +109,7 @@ void send_text(Kind kind, const std::string& text) noexcept {
   } catch (...) {
     send_text(Kind::refusal, "the reader failed and gave no reason");
   }
-  _exit(0); // nothing of the parent's is flushed or destroyed twice
+  _exit(0); // without flushing or destroying the parent's objects a second time
 }
 
 // ---- in the parent
@@ -126,7 +126,7 @@ std::uint64_t half_of_free_memory() {
   return std::max<std::uint64_t>(kilobytes * 512, std::uint64_t{256} << 20);
 }
 
-/// Bytes of memory the process holds now, 0 when that cannot be read.
+/// Resident memory of the process, bytes; 0 if it cannot be read.
 std::uint64_t resident(pid_t process) {
   unsigned long long all = 0, pages = 0;
   if (std::FILE* file = std::fopen(format("/proc/%d/statm", process).c_str(), "r")) {
@@ -137,7 +137,7 @@ std::uint64_t resident(pid_t process) {
   return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// The child. It is killed and waited for by the destructor at the latest.
+/// The child process. The destructor kills it and waits for it.
 class Child {
 public:
   explicit Child(pid_t process, int pipe_end) : process_(process), pipe_(pipe_end) {
@@ -160,7 +160,8 @@ public:
     forget();
     return status_;
   }
-  /// Its status, when its end of the pipe is closed. It gets two seconds to end by itself.
+  /// The child's status after its end of the pipe has closed. It gets two seconds to end on its
+  /// own.
   int wait_for_exit() noexcept {
     for (int tries = 0; tries < 200; ++tries) {
       if (wait4(process_, &status_, WNOHANG, &usage_) == process_) {
@@ -243,7 +244,7 @@ public:
                         ": the system ended the reader, most likely for memory; take a coarser "
                         "mesh (--h)");
     if (static_cast<double>(peak) > .7 * static_cast<double>(limits_.memory_bytes))
-      return memory(); // the CAD kernel does not look whether it got what it asked for
+      return memory(); // the CAD kernel does not check its allocations
     return InputError(file_ + ": the reader crashed (" + name_of(signal_number) +
                       "); the file is damaged or beyond it: repair it, or export it again from the "
                       "program that made it");
@@ -254,14 +255,14 @@ private:
   ChildLimits limits_;
 };
 
-/// Takes whole messages out of the bytes that came. Lengths are limited before they are used.
+/// Splits the received bytes into messages. Lengths are checked before they are used.
 class MessageReader {
 public:
   MessageReader(const ChildErrors& child_errors, const ChildLimits& limits,
                 const ChildProgress& progress)
       : child_errors_(child_errors), limits_(limits), progress_(progress) {}
 
-  /// The mesh when it is whole.
+  /// Returns the mesh once it is complete.
   std::optional<Mesh> take(const char* from, std::size_t size) {
     bytes_.append(from, size);
     while (true) {

@@ -8,12 +8,12 @@ namespace tactus::fem {
 
 /// Limits of a child process.
 struct ChildLimits {
-  std::uint64_t memory_bytes = 0; ///< 0: half of what the machine has free
+  std::uint64_t memory_bytes = 0; ///< 0: half of the machine's free memory
   double progress_timeout_s =
       1200; ///< seconds by the wall clock from one sign of progress to the next
 };
 
-/// Progress callbacks: sentences, and stages with the share that is done.
+/// Progress callbacks: sentences, and stages with their completed fraction.
 struct ChildProgress {
   std::function<void(const std::string& sentence)> notify{};
   std::function<void(const std::string& stage, double share)> report{};

@@ -31,7 +31,7 @@ Mesh load_in_process(const std::string& path, const std::string& ending, const L
   return mesh_surface_file(path, unit, choice);
 }
 
-/// Refuses what a kind of file has no use for.
+/// Refuses options that do not apply to this kind of file.
 void check_options(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const bool surface = ending == ".stl" || ending == ".obj";
   const auto refuse = [&](const char* option, const char* kinds) {

@@ -15,11 +15,12 @@ struct LoadChoice {
   double fillet = 0;      ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
-  bool multi = false; ///< several separate bodies may come
+  bool multi = false; ///< several separate bodies are allowed
   int elements_per_turn =
       12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
-  /// Of prisms that are swept: elements around curves, and their smallest size over h. For modes
-  /// the first is enough; a stress at a hole a tenth of the body wide asks for both to be finer.
+  /// For swept prisms: elements around curves, and their smallest size relative to h. The default
+  /// of the first suffices for modes; the stress at a hole that is a tenth of the body wide needs
+  /// finer values of both.
   int swept_elements_per_turn = 12;
   double swept_smallest = 1.0 / 3;
   /// CAD bodies: every face becomes a node set (face_set()) and is described by a notify()
@@ -44,8 +45,8 @@ struct LoadChoice {
 /// Whether a file is a mesh already, by its ending: .msh or .inp.
 [[nodiscard]] bool is_volume_mesh(const std::string& path);
 
-/// Metres a unit of length in a file that does not say it: a metre in .msh and .inp, else a
-/// millimetre. 0 for STEP, which says it.
+/// Metres per unit of length for a file without a unit: a metre for .msh and .inp, else a
+/// millimetre. 0 for STEP, which contains its unit.
 [[nodiscard]] double default_unit(const std::string& path);
 
 /// The name of the node set of a CAD body's face, by its number from one.

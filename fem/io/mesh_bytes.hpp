@@ -8,8 +8,8 @@ namespace tactus::fem {
 /// sets.
 [[nodiscard]] std::string to_bytes(const Mesh&);
 
-/// The mesh again. Trusts nothing: counts are compared with the bytes there are before anything is
-/// allocated, indices with their ranges, coordinates must be finite. Refuses what does not agree.
+/// Decodes a mesh. The input is untrusted: counts are compared with the available bytes before any
+/// allocation, indices with their ranges; coordinates must be finite. Refuses inconsistent data.
 [[nodiscard]] Mesh mesh_from_bytes(std::string_view);
 
 } // namespace tactus::fem

@@ -13,9 +13,8 @@ namespace tactus::fem {
 /// SHA-256 (FIPS 180-4), 64 hexadecimal digits.
 [[nodiscard]] std::string sha256(std::span<const std::byte>);
 
-/// Pieces of the JSON text that goes into tables as `meta`: a list of words, a list of numbers
-/// (nine digits), a material of a region with its constants in SI. files::quoted_json() writes a
-/// string.
+/// Fragments of the JSON text `meta` of tables: a list of words, a list of numbers (nine digits), a
+/// region's material with its constants in SI. files::quoted_json() writes a string.
 [[nodiscard]] std::string list(const std::vector<std::string>& words);
 [[nodiscard]] std::string list(std::span<const double> values);
 [[nodiscard]] std::string json_of(const Material&, const std::string& region);

@@ -11,7 +11,7 @@ namespace tactus::fem {
 struct TableMetadata {
   std::string body_name = "body";
   std::string support = "free";
-  std::string created; ///< ISO 8601; empty: left out, and equal bodies are equal files
+  std::string created; ///< ISO 8601; empty: omitted, so that equal bodies give equal files
   std::vector<double> relative_error; ///< estimated, of each frequency; empty: unknown
   double air_density = 1.184, air_speed = 346.1;
   std::vector<std::string> command; ///< command line of modal_fem; empty: left out

@@ -31,7 +31,7 @@ public:
                        " is defined twice, expected once");
   }
 
-  /// -1 for a tag that no node has.
+  /// -1 if no node has this tag.
   [[nodiscard]] int find(std::uint64_t tag) const noexcept {
     const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair(tag, 0));
     return at != sorted_.end() && at->first == tag ? at->second : -1;
@@ -41,7 +41,7 @@ private:
   std::vector<std::pair<std::uint64_t, int>> sorted_;
 };
 
-/// Elements to their nodes' positions.
+/// The node indices of all elements.
 std::vector<int> resolve(const std::string& path, const MshSections& file) {
   const NodeIndex index(path, file.node_tags);
   std::vector<int> nodes(file.uses.size());

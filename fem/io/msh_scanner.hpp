@@ -16,9 +16,9 @@ public:
   /// The next `$Name` line outside a section; empty at the end of the file. Text outside sections
   /// is refused.
   std::string_view next_section();
-  /// `$EndName` of the section that was begun.
+  /// Reads `$EndName` of the current section.
   void end_section();
-  /// Jumps behind `$EndName`.
+  /// Skips to after `$EndName`.
   void skip_section();
 
   /// How numbers are stored from here on. `word` is the size of a count in bytes, 4 or 8.
@@ -51,7 +51,7 @@ public:
   /// Four bytes as stored in the file: the number 1 there shows the byte order.
   std::uint32_t raw_word();
 
-  /// Refuses `value`, saying what was expected.
+  /// Refuses `value` with the expected value.
   [[noreturn]] void refuse(const std::string& value, const std::string& expected) const;
 
   [[nodiscard]] std::size_t word() const noexcept { return word_; }

@@ -176,7 +176,7 @@ private:
   std::size_t head_2(const char* what, std::size_t numbers, std::size_t bytes) {
     const bool binary = file_.binary();
     const MshScanner::AsText as_text(file_);
-    // The limit by bytes is that of the form in which the numbers follow.
+    // The byte limit depends on the form in which the numbers follow.
     const std::size_t count = file_.count(what, binary ? (bytes + 1) / 2 : numbers, bytes);
     if (binary && !file_.line().empty())
       file_.refuse("more on the line", "the end of the line");

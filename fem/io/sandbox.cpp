@@ -249,7 +249,7 @@ bool install_filter() {
   return filter.install();
 }
 
-/// Of a superuser's only the reading of others' files stays. (capabilities(7))
+/// Keeps only the capability to read other users' files. (capabilities(7))
 void drop_capabilities() noexcept {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   std::array<__user_cap_data_struct, 2> capabilities{};

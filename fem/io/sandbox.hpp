@@ -3,8 +3,8 @@
 
 namespace tactus::fem {
 
-/// Leaves what a child inherits and a parser does not need: the controlling terminal, by a session
-/// of its own; the environment; handlers, ignored and blocked signals.
+/// Drops inherited state that a parser does not need: the controlling terminal, by starting a new
+/// session; the environment; signal handlers, ignored and blocked signals.
 void leave_terminal_and_environment() noexcept;
 
 /// Denies this process, for the rest of its life, what a parser of untrusted files does not need:

@@ -41,7 +41,7 @@ std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-/// The skin in fewer triangles, whose corners are some of its vertices.
+/// A coarser skin, whose corners are a subset of the skin's vertices.
 Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
   constexpr double kDeviation = 0.15; // of the edge
   Triangles triangles;
@@ -63,7 +63,7 @@ Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
   return out;
 }
 
-/// [V,C]: by how much of a control point's displacement each vertex moves.
+/// [V,C]: the displacement of each vertex relative to that of a control point.
 std::vector<float> weights_of(const ControlWeights& weights, const Surface& skin) {
   const std::size_t controls = weights.control_points.size();
   std::vector<float> out(skin.node.size() * controls, 0);

@@ -32,8 +32,8 @@ struct Triangles {
 };
 
 /// Reads an STL (text or binary, recognised by its content) or OBJ file without repair
-/// (files/mesh_file.hpp), polygons cut into triangles by their ears, lengths times `unit`. Refuses
-/// an unreadable file, naming its line or triangle.
+/// (files/mesh_file.hpp). Polygons are triangulated by ear clipping, lengths multiplied by `unit`.
+/// Refuses an unreadable file, naming its line or triangle.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
 /// The same of a file's bytes; OBJ is recognised by the ending of `path`, which also appears in
 /// error texts.

@@ -8,7 +8,7 @@
 namespace tactus::fem {
 namespace {
 
-/// As it may stand in an XML attribute.
+/// The text with XML escapes, for an attribute.
 std::string attribute(const std::string& text) {
   std::string out;
   for (const char c : printable(text, 200))

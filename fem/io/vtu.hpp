@@ -14,9 +14,10 @@ struct VtuField {
   std::span<const double> values;
 };
 
-/// The mesh with fields at its nodes and in its elements as VTK's unstructured grid (XML, ASCII)
-/// for ParaView; the elements' regions are written too. Coordinates have nine digits, fields seven.
-/// Refuses a field whose size is not that of the mesh, or that holds what is no finite number.
+/// Writes the mesh with fields at its nodes and in its elements as VTK's unstructured grid (XML,
+/// ASCII) for ParaView; the elements' regions are also written. Coordinates have nine digits,
+/// fields seven. Refuses a field whose size differs from the mesh's, or with a value that is not
+/// finite.
 void write_vtu(const std::string& path, const Mesh&, std::span<const VtuField> at_nodes,
                std::span<const VtuField> in_elements);
 

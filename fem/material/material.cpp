@@ -28,8 +28,8 @@ std::vector<double> compliance(const Material& m) {
   return s;
 }
 
-/// Bond's matrix: stress in the body's axes from stress in the material's, whose directions are the
-/// three given here.
+/// Bond's matrix: stress in the body's axes from stress in the material's axes, which are given by
+/// three directions.
 ElasticMatrix bond(const std::array<Vec3, 3>& axis) {
   constexpr std::array<std::array<int, 2>, 6> pair{
       {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
@@ -73,7 +73,7 @@ ElasticMatrix elastic_matrix(const Material& m) {
   if (m.isotropic() && !(m.poisson[0] > -1 && m.poisson[0] < .5))
     refuse("Poisson's ratio is " + std::to_string(m.poisson[0]) + ", expected within -1 and 0.5");
   const std::vector<double> s = compliance(m);
-  std::vector<double> c(36, 0.0); // the identity, then the compliance's inverse
+  std::vector<double> c(36, 0.0); // the identity, overwritten by the inverse of the compliance
   for (std::size_t i = 0; i < 6; ++i)
     c[7 * i] = 1;
   if (!std::all_of(s.begin(), s.end(), [](double x) { return std::isfinite(x); }) ||

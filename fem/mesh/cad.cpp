@@ -52,7 +52,8 @@ namespace {
 
 constexpr double kMaxSolidVolumeChange = .01; ///< of the mesh against the solids
 
-/// Fillets the one volume's concave curves; returns those that are left to be graded: none.
+/// Fillets the concave curves of the only volume. Returns the curves that remain to be graded:
+/// none.
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
                               double radius) {
   if (volumes.size() != 1)
@@ -68,7 +69,7 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
   gmsh::vectorpair rounded;
   try {
     gmsh::model::occ::fillet({volumes[0].second}, curves, {radius}, rounded, true);
-  } catch (...) { // what gmsh throws is no exception of the library
+  } catch (...) { // gmsh throws types that are not std::exception
     throw InputError(format("--fillet: a radius of %g of the file's units does not fit the concave "
                             "edges",
                             radius));
@@ -78,7 +79,7 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
   return {};
 }
 
-/// Number, kind, middle and area of each of the model's faces, a sentence each.
+/// Reports number, kind, centre and area of each face of the model, one sentence each.
 void report_faces(double unit, const std::function<void(const std::string&)>& notify) {
   gmsh::vectorpair faces;
   gmsh::model::getEntities(faces, 2);
@@ -116,7 +117,7 @@ Triangles skin_of_model(const gmsh::vectorpair& volumes, double unit) {
     out.points.push_back({unit * xyz[3 * i], unit * xyz[3 * i + 1], unit * xyz[3 * i + 2]});
   }
   gmsh::vectorpair faces;
-  gmsh::model::getBoundary(volumes, faces, true, true); // those between two solids fall out
+  gmsh::model::getBoundary(volumes, faces, true, true); // excludes faces between two solids
   for (const auto& [dimension, face] : faces) {
     std::vector<std::size_t> elements, nodes;
     gmsh::model::mesh::getElementsByType(2, elements, nodes, std::abs(face));
@@ -127,7 +128,7 @@ Triangles skin_of_model(const gmsh::vectorpair& volumes, double unit) {
   return out;
 }
 
-/// The model as a swept mesh if it is a prism; else it stands as it was imported.
+/// The model as a swept mesh if it is a prism; else the model is left as imported.
 std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& choice, double unit) {
   for (const bool quadrilaterals : {true, false}) {
     std::optional<Mesh> mesh;
@@ -136,7 +137,7 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
       return mesh;
     if (done)
       break;                                                      // no prism
-    import_solids(path, choice, unit, [](const std::string&) {}); // whole again
+    import_solids(path, choice, unit, [](const std::string&) {}); // restores the model
   }
   if (choice.sizes && !choice.sizes->levels.empty())
     throw InputError(path + ": the finer base could not be meshed");
@@ -145,8 +146,8 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
   return std::nullopt;
 }
 
-/// Settings with which the solids are meshed. Attempts follow each other until one succeeds; each
-/// is for a fault found in real files: small edges, coarse curved sides, bad faces.
+/// Settings for meshing the solids. The attempts are tried in order until one succeeds; each
+/// handles a fault found in real files: small edges, coarse curved edges, bad faces.
 struct Attempt {
   const char* words; ///< for the user
   bool heal;
@@ -158,7 +159,8 @@ constexpr Attempt kAttempts[]{{"", false, 1, 6},
                               {" in smaller elements", false, .6, 5},
                               {" with adapted faces", true, .8, 1}};
 
-/// Metres a unit of the imported model: STEP says its own and comes in millimetres.
+/// Metres per unit of the imported model: a STEP file contains its unit and is imported in
+/// millimetres.
 double unit_of_lengths(const std::string& path, double given) {
   return given > 0 && cad_format(path) != "step" ? given : 1e-3;
 }
@@ -175,7 +177,8 @@ public:
       notify_("a STEP file says its own unit of length: --unit is that of the options alone");
   }
 
-  /// Tries each attempt in turn; the skin's triangles of a single body come before finer elements.
+  /// Tries each attempt in turn; for a single body the skin's triangles are filled before finer
+  /// elements are tried.
   [[nodiscard]] Mesh mesh() {
     for (const Attempt& how : kAttempts) {
       try {
@@ -270,9 +273,9 @@ private:
   /// Element sizes: h, graded into concave edges where h is given, or those of a refinement.
   void choose_sizes(const gmsh::vectorpair& volumes, double h, double finer) const {
     set_sizes(h, {});
-    if (choice_.h <= 0) // the first of several: what small curves need shows in the errors
+    if (choice_.h <= 0) // first of several meshes: the error estimate refines small curves
       gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
-    // Refinements grade where the errors are.
+    // A refinement already grades by the estimated errors.
     if ((choice_.grade_concave && choice_.h > 0) || choice_.fillet > 0) {
       generate(2);
       std::vector<double> concave = concave_curves();
@@ -305,9 +308,9 @@ private:
     return mesh;
   }
 
-  /// Fills the triangles of the solids' faces as a surface file's.
+  /// Fills the triangulated faces of the solids, as for a surface file.
   [[nodiscard]] Mesh mesh_facets() {
-    session_.reset(); // the surface is filled in one of its own
+    session_.reset(); // filling the surface uses its own session
     notify_(reason_);
     notify_("the solids' faces are taken as triangles, and as one region");
     return mesh_soup(skin_, choice_);
@@ -353,7 +356,7 @@ private:
 } // namespace
 
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
-  (void)cad_format(path); // refused before anything is tried
+  (void)cad_format(path); // refuses early
   return CadMesher(path, choice).mesh();
 }
 

@@ -7,8 +7,8 @@
 namespace tactus::fem {
 
 /// "step" or "brep", from the first kilobyte of a CAD file: ISO 10303-21 files begin with
-/// `ISO-10303-21;` (blanks and /* comments */ may come before), OCC's with `DBRep_DrawableShape` or
-/// `CASCADE Topology`. Refuses everything else, under any ending.
+/// `ISO-10303-21;` (blanks and /* comments */ may precede it), OCC's with `DBRep_DrawableShape` or
+/// `CASCADE Topology`. Refuses all other content, whatever the file's ending.
 [[nodiscard]] std::string cad_format(const std::string& path);
 
 /// A CAD file in curved tet10. Edges where faces meet at an inner angle above 200 degrees are found

@@ -46,7 +46,7 @@ Box box_of(int dimension, int tag) {
 
 namespace {
 
-/// A part's own name: the last of those that the file's assemblies put before it.
+/// A part's own name: the last component of its path in the file's assemblies.
 std::string part_name(int volume) {
   std::string name;
   gmsh::model::getEntityName(3, volume, name);
@@ -54,7 +54,7 @@ std::string part_name(int volume) {
   return name.empty() ? "volume" + std::to_string(volume) : name;
 }
 
-/// What a file holds that is no solid, and where it is open.
+/// Describes what a file without solids contains, and where its surface is open.
 std::string without_solid(double unit) {
   vectorpair faces, curves;
   gmsh::model::getEntities(faces, 2);
@@ -178,7 +178,7 @@ std::vector<std::pair<Part, vectorpair>> separate_parts(double unit) {
   return parts;
 }
 
-/// Takes the volumes of the parts that are no body of the choice out of the model.
+/// Removes the volumes of the parts that were not chosen from the model.
 void keep_chosen_parts(const LoadChoice& choice, double unit) {
   const auto found = separate_parts(unit);
   std::vector<Part> parts;

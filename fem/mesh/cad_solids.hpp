@@ -5,10 +5,10 @@
 
 namespace tactus::fem {
 
-/// Reads a CAD file into gmsh's present session: at least one solid, touching ones with common
-/// faces and as physical volumes under their names. Faces without a solid are sewn, what belongs to
-/// no solid is left out, and of separate parts those of the choice stay (parts.hpp). `unit`: metres
-/// of the model's lengths.
+/// Reads a CAD file into the current gmsh session: at least one solid, touching solids with common
+/// faces, as physical volumes under their names. Faces without a solid are sewn; entities that
+/// belong to no solid are removed; of separate parts only those chosen stay (parts.hpp). `unit`:
+/// metres per unit of the model.
 void import_solids(const std::string& path, const LoadChoice&, double unit,
                    const std::function<void(const std::string&)>& notify);
 

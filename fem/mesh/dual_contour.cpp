@@ -71,8 +71,8 @@ struct Cut {
   Vec3 position, normal; ///< a zero normal: no plane is known here
 };
 
-/// Where the surface cuts a grid edge: seen from the inside end, where the winding number falls to
-/// zero.
+/// Where the surface cuts a grid edge: the crossing nearest to the outside end, at which the
+/// winding number falls to zero.
 Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
            const std::array<int, 3>& from, int axis) {
   const bool starts_inside = inside[grid.index(from[0], from[1], from[2])] != 0;

@@ -51,8 +51,8 @@ std::vector<std::array<int, 3>> clip_ears(std::span<const Vec3> corners) {
     return true;
   };
   while (left.size() > 3) {
-    // Of all ears the one with the shortest new edge: fans would leave slivers. Of very many
-    // corners the first, for time.
+    // Chooses the ear with the shortest new edge, since fans would leave slivers. For very many
+    // corners it takes the first ear, to limit the time.
     std::size_t best = left.size();
     double shortest = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {

@@ -13,7 +13,7 @@ struct EdgeUse {
   bool forward;
 };
 
-/// All sides of all triangles, those of one edge together, in ascending order of the edges.
+/// The edges of all triangles; those of one edge are adjacent, in ascending order.
 [[nodiscard]] inline std::vector<EdgeUse> edge_uses(const Triangles& t) {
   std::vector<EdgeUse> uses;
   uses.reserve(3 * t.triangles.size());

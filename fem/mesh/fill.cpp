@@ -55,8 +55,8 @@ void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
   gmsh::model::geo::synchronize();
 }
 
-constexpr std::size_t kMaxTriangles = 60000; ///< that are filled as they are: 10^6 unknowns
-constexpr std::size_t kSimplified = 20000;   ///< beyond that edges collapse in one go first
+constexpr std::size_t kMaxTriangles = 60000; ///< filled without remeshing: 10^6 unknowns
+constexpr std::size_t kSimplified = 20000;   ///< beyond this, edges are first collapsed in one pass
 constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
 
 /// Fills a closed surface with tet10.
@@ -84,12 +84,12 @@ public:
     predict_size(remesh_surface ? 0 : static_cast<double>(surface_.triangles.size()));
     if (!remesh_surface)
       return fill(surface_);
-    // Faces that lie close together leave less room for a coarser surface between them.
+    // Where faces lie close together, a coarser surface has less room for deviations.
     for (const auto& [size, deviation_factor] : std::initializer_list<std::pair<double, double>>{
              {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}})
       if (std::optional<Mesh> mesh = try_remeshed(size, deviation_factor))
         return std::move(*mesh);
-    if (choice_.sizes) // the triangles as they are would not be what the refinement asks for
+    if (choice_.sizes) // the original triangles do not have the sizes of the refinement
       throw InputError(reason_.empty() ? "the surface crosses itself in the finer triangles"
                                        : reason_);
     if (surface_.triangles.size() > kMaxTriangles)
@@ -144,7 +144,7 @@ private:
     }
   }
 
-  /// The volume within the triangles in tet10. Refuses one that differs from the surface's.
+  /// Fills the triangles with tet10. Refuses a mesh whose volume differs from the surface's.
   [[nodiscard]] Mesh fill(const Triangles& triangles) const {
     predict_size(static_cast<double>(triangles.triangles.size()));
     Session session;

@@ -190,22 +190,23 @@ void set_sizes(const SizeField& sizes, double unit, double finer) {
   const auto size_at = [&sizes, unit, scale](int, int, double x, double y, double z, auto...) {
     return scale * sizes.at({unit * x, unit * y, unit * z});
   };
-  gmsh::model::mesh::setSizeCallback(size_at); // from gmsh 4.9 on it is told gmsh's own size, too
+  gmsh::model::mesh::setSizeCallback(size_at); // gmsh 4.9 and newer also pass gmsh's own size
 }
 
 MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin, const Vec3& box,
                              double h, double faces) {
   if (!choice.sizes)
     return predict_tetrahedra(volume, skin, box, h, faces);
-  // For one body among several the field predicts the elements of all: no more than its smallest
-  // size gives.
+  // If the model has several bodies, the field predicts the elements of all of them, so the
+  // prediction for one is limited by that of its smallest size.
   const MeshSize even = predict_tetrahedra(volume, skin, box, choice.sizes->smallest());
   return scaled(even, std::min(even.elements, choice.sizes->elements));
 }
 
 void set_sizes(double h, const std::vector<double>& concave) {
   gmsh::option::setNumber("Mesh.CharacteristicLengthMax", h);
-  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 6); // small fillets wait
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin",
+                          h / 6); // smaller fillets are not resolved
   if (concave.empty())
     return;
   using namespace gmsh::model::mesh;

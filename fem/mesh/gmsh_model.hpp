@@ -35,7 +35,7 @@ public:
   }
 
 private:
-  /// gmsh's last error, or what is known otherwise.
+  /// gmsh's last error, or `reason` if there is none.
   static std::string error_text(std::string reason) {
     std::vector<std::string> log;
     gmsh::logger::get(log);
@@ -62,11 +62,11 @@ template <class Work> bool succeeds(Work&& work) {
 }
 
 /// Meshes the model up to a dimension. Refuses with gmsh's error; another attempt may follow. (An
-/// exception out of gmsh's own generate() leaves it locked, and every later mesh is empty.)
+/// exception from gmsh's own generate() would leave gmsh locked and every later mesh empty.)
 void generate(int dimension);
 
-/// gmsh's volume elements, nodes and names as a mesh of ours; its lengths times `unit`. With
-/// `face_sets` the model's faces are node sets (face_set()).
+/// Converts gmsh's volume elements, nodes and names to a Mesh, with lengths multiplied by `unit`.
+/// With `face_sets` the model's faces become node sets (face_set()).
 [[nodiscard]] Mesh import_mesh(double unit, bool face_sets = false);
 
 /// Model curves where the body turns inward. Compares the two facets at each mesh edge on a curve:
@@ -88,8 +88,8 @@ void set_sizes(double h, const std::vector<double>& concave);
 /// The field must live until the mesh is made.
 void set_sizes(const SizeField&, double unit, double finer = 1);
 
-/// Second order; sides that turn an element inside out are flattened (straighten_inverted).
-/// Elements that are inside out with straight sides stay so.
+/// Raises the mesh to second order; edges that turn an element inside out are straightened
+/// (straighten_inverted). Elements that are inside out with straight edges stay so.
 [[nodiscard]] Mesh make_quadratic(bool curved, double unit, bool face_sets = false);
 
 } // namespace tactus::fem

@@ -130,8 +130,8 @@ void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   t.triangles = std::move(triangles);
 }
 
-/// Where two pairs of neighbours still share both points of an edge, all pairs but the first get a
-/// point of their own in its middle. Returns how many did.
+/// If two pairs of neighbours still share both points of an edge, all pairs but the first get their
+/// own point in its middle. Returns how many points were added.
 std::size_t split_shared_edges(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   std::size_t done = 0;
   std::vector<bool> affected(t.triangles.size(), false);

@@ -88,7 +88,7 @@ Parts connected_parts(const Mesh& mesh) {
 
 namespace {
 
-/// Gives every node its new number (-1: gone); new numbers are ascending in the old ones.
+/// Renumbers all nodes (-1: removed); the order of the nodes is kept.
 void renumber(Mesh& mesh, std::span<const int> to, std::size_t remaining) {
   std::vector<Vec3> kept(remaining);
   for (std::size_t i = mesh.nodes.size(); i-- > 0;)
@@ -198,7 +198,7 @@ template <class Visit> void visit_sides(const Mesh& mesh, const Element& e, Visi
           static_cast<std::size_t>(nodes[kEnds[s][1]]), static_cast<std::size_t>(nodes[4 + s]));
 }
 
-/// How far the middle node lies from the middle of a side.
+/// Vector from the middle of an edge to its mid-edge node.
 Vec3 bend(const Mesh& mesh, std::size_t a, std::size_t b, std::size_t middle) {
   return mesh.nodes[middle] - .5 * (mesh.nodes[a] + mesh.nodes[b]);
 }
@@ -217,8 +217,8 @@ bool has_straight_sides(const Mesh& mesh) {
 }
 
 std::size_t straighten_inverted(Mesh& mesh) {
-  // Halved twice, most sides keep a quarter of their bend or more; the next attempt is straight.
-  // An element that is nearly flat would be as stiff as one turned inside out is soft.
+  // After two halvings most edges keep at least a quarter of their bend; the next attempt is
+  // straight. An element that is nearly flat would be as stiff as an inverted one is soft.
   constexpr double kMinJacobianShare = .05; ///< of the Jacobian with straight sides
   constexpr int kHalvings = 3;
   std::vector<std::uint8_t> halvings(mesh.nodes.size(), 0);
@@ -235,7 +235,7 @@ std::size_t straighten_inverted(Mesh& mesh) {
     const auto at = [&](std::size_t k) { return mesh.nodes[static_cast<std::size_t>(n[k])]; };
     return dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0));
   };
-  while (!candidates.empty()) { // a node that moves may turn a neighbour
+  while (!candidates.empty()) { // moving a node may invert a neighbour
     std::vector<std::size_t> next;
     for (const std::size_t i : candidates) {
       const Element& e = mesh.elements[i];

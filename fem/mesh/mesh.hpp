@@ -40,7 +40,7 @@ struct Mesh {
   std::vector<int> connectivity;
   std::vector<Element> elements;
   std::vector<std::string> regions{"body"};
-  std::vector<std::optional<Material>> materials; ///< of regions, by their file; none: empty
+  std::vector<std::optional<Material>> materials; ///< of the regions, from the file; or empty
   std::map<std::string, std::vector<int>> node_sets;
 
   void add(Shape shape, std::span<const int> element_nodes, int region = 0);
@@ -85,9 +85,9 @@ std::size_t merge_nodes(Mesh&, double tolerance_m);
 /// Whether the sides of all tet10 are straight, with the node between in the middle.
 [[nodiscard]] bool has_straight_sides(const Mesh&);
 
-/// Flattens the sides of tet10 that curve so much that an element turns inside out: to a half, a
-/// quarter, then straight, until each Jacobian is 0.05 of the one with straight sides. Returns how
-/// many nodes moved; elements with straight sides stay as they are.
+/// Flattens edges of tet10 that curve so much that an element is inverted: to a half, a quarter,
+/// then straight, until each Jacobian is at least 0.05 of the one with straight edges. Returns how
+/// many nodes moved; elements with straight edges are unchanged.
 std::size_t straighten_inverted(Mesh&);
 
 /// Refuses meshes that cannot be solved, naming the element or node: indices out of range,

@@ -9,8 +9,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Sides, longest first, of the block with a body's volume and skin, and at least its longest side:
-/// a curled shell's block is its development.
+/// Sides, longest first, of the block with a body's volume and skin area, the longest at least
+/// `largest`. The block of a curled shell is its development.
 std::array<double, 3> equivalent_block(double volume, double skin, double largest) {
   const auto others = [&](double a) { // b c and b + c
     return std::array{volume / a, (skin / 2 - volume / a) / a};
@@ -49,7 +49,8 @@ double pairs_of_tet10(double tetrahedra, double faces, double nodes) {
          (corners - faces / 2);
 }
 
-/// A cutting plane of tet10 has this share of the nodes on one of hex20 with as many nodes in all.
+/// A plane across a tet10 mesh has this fraction of the nodes of one across a hex20 mesh with the
+/// same total number of nodes.
 constexpr double kTet10OnPlanes = .65;
 
 } // namespace
@@ -89,7 +90,7 @@ MeshSize predict_tetrahedra(double volume, double skin_area, const Vec3& box, do
   size.box = box;
   if (!(faces > 0))
     faces = 2.5 * skin_area / (h * h);
-  // Walls thinner than h have a prism of three on every second face.
+  // In walls thinner than h, every second face has a prism of three tetrahedra.
   size.elements = std::cbrt(std::pow(5 * volume / (h * h * h), 3) + std::pow(1.53 * faces, 3));
   size.nodes = 1.33 * size.elements + faces;
   size.node_pairs = pairs_of_tet10(size.elements, faces, size.nodes);

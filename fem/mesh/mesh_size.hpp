@@ -16,12 +16,12 @@ struct MeshSize {
   /// Elements along the body's three directions, as if it were a block of hex20: what the fill of
   /// its factor depends on. A plate is {many, many, few}, a bar {many, few, few}.
   std::array<double, 3> cells{};
-  double nodes_made = 0;      ///< that the mesher holds before it merges them
+  double nodes_made = 0;      ///< nodes in memory before they are merged
   double nodes_on_planes = 1; ///< on a plane across `cells`, relative to hex20
   double volume = 0;          ///< m^3
   double skin_area = 0;       ///< m^2, of gmsh's meshes
-  double h = 0;               ///< m, the element size that gmsh's meshes were asked for; 0: unknown
-  double height = 0;          ///< m, that a base is swept through; 0: none
+  double h = 0;               ///< m, the element size requested of gmsh; 0: unknown
+  double height = 0;          ///< m, height of a swept body; 0: not swept
   Vec3 box{};                 ///< m, the bounding box's sides
   [[nodiscard]] double dofs() const noexcept { return 3 * nodes; }
 };

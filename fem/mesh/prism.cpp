@@ -9,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kParallel = 1e-6; ///< sine of an angle below which directions are one
+constexpr double kParallel = 1e-6; ///< directions with a smaller sine of their angle are parallel
 constexpr double kEqual = 1e-6;    ///< relative difference of lengths, areas, volumes
 
 struct FlatFace {
@@ -70,7 +70,7 @@ std::optional<Prism> along(const Vec3& direction, const std::vector<FlatFace>& f
     } else if (std::abs(share - 1) < kEqual) {
       above += f->area;
     } else {
-      return {}; // a step
+      return {}; // a stepped body
     }
   }
   const auto equal = [](double a, double b) { return std::abs(a - b) < 10 * kEqual * b; };

@@ -14,7 +14,7 @@ double area(double pu, double pv, const Vec3& a, const Vec3& b, int u, int v) {
   return swapped ? -value : value;
 }
 
-/// A number within -1..1 that two integers choose.
+/// A pseudo-random number in -1..1, a hash of two integers.
 double scattered(int a, int b) noexcept {
   std::uint64_t h = static_cast<std::uint32_t>(a) * 0x9E3779B97F4A7C15ULL ^
                     static_cast<std::uint32_t>(b) * 0xC2B2AE3D27D4EB4FULL;

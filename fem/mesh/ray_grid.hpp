@@ -5,8 +5,8 @@
 
 namespace tactus::fem {
 
-/// Where a grid line meets a triangle: the coordinate along the line, and +1 where the line comes
-/// out of the surface, -1 where it goes in.
+/// Where a grid line meets a triangle: the coordinate along the line, and +1 where the line leaves
+/// the surface, -1 where it enters.
 struct Crossing {
   double position;
   int sign;
@@ -27,17 +27,18 @@ public:
   [[nodiscard]] std::size_t index(int i, int j, int k) const noexcept;
   [[nodiscard]] std::array<int, 3> cell(std::size_t index) const noexcept;
   [[nodiscard]] Vec3 point(const std::array<int, 3>&) const noexcept;
-  /// From a point to the next one along an axis, in index().
+  /// The difference in index() to the next point along an axis.
   [[nodiscard]] std::size_t step(int axis) const noexcept;
 
   /// Crossings between a point and the next one along an axis, ascending.
   [[nodiscard]] std::span<const Crossing> between(const std::array<int, 3>&, int axis) const;
 
-  /// For every point how many times the surface winds around it, along x.
+  /// The winding number of the surface at every point, along x.
   [[nodiscard]] std::vector<std::int8_t> winding() const;
-  /// Volume where the winding number is above zero and where it is below, m^3, from the lengths
-  /// within along the axis that most faces look to: of a plate, through its thickness. Each line
-  /// lies somewhere in its square, since lines of a grid take whole rows of a face along the grid.
+  /// Volume where the winding number is above zero and where it is below, m^3, from the inside
+  /// lengths of lines along the axis that most faces are perpendicular to: for a plate, through its
+  /// thickness. Each line has a random position in its square, since lines on a regular grid would
+  /// hit or miss whole rows of a face aligned with the grid.
   [[nodiscard]] std::array<double, 2> volumes(const Triangles&) const;
 
 private:

@@ -14,7 +14,7 @@ namespace {
 
 using Edge = std::pair<int, int>;
 
-constexpr double kFeature = 30 * std::numbers::pi / 180; ///< a sharper edge stays
+constexpr double kFeature = 30 * std::numbers::pi / 180; ///< sharper edges are kept
 constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of such edges turns more
 
 class Remesher : TriangleRings {
@@ -97,7 +97,7 @@ private:
     return max_distance;
   }
 
-  /// Whether a normal lies near that of some plane that v stands for.
+  /// Whether a normal is close to that of one of the planes of v.
   bool faces_as_before(int v, const Vec3& n) const {
     return std::any_of(plane_[at(v)].begin(), plane_[at(v)].end(),
                        [&](const Plane& p) { return dot(p.first, n) > .8 * length(n); });
@@ -224,7 +224,7 @@ private:
         if (v != onto && span(v, onto) > 4. / 3 * edge_at(v, onto) && span(v, onto) > span(v, from))
           return false;
       if (shape > .02 ? dot(before, after) <= .8 * length(before) * length(after)
-                      : !faces_as_before(from, after)) // a sliver's own normal says little
+                      : !faces_as_before(from, after)) // a sliver's own normal is unreliable
         return false;
       if (quality(corners) < std::min(.2, .8 * shape))
         return false;
@@ -248,9 +248,9 @@ private:
     thin_out(plane_[at(onto)]);
     return true;
   }
-  /// Of planes that are the same but for rounding one is kept; of very many, of a fine round
-  /// surface, one of those that differ by little (2.5 degrees at most), so that time does not grow
-  /// with them.
+  /// Keeps one of the planes that are equal up to rounding. If there are very many, as on a fine
+  /// round surface, also keeps only one of those that differ little (2.5 degrees at most), so that
+  /// the time does not grow with their number.
   void thin_out(std::vector<Plane>& planes) const {
     double cosine_tolerance = 1e-6, level = 1e-2 * max_deviation_;
     for (int round = 0; round < 4; ++round) {
@@ -308,7 +308,7 @@ private:
     return true;
   }
 
-  /// Points whose triangles lie in one plane go to the middle of their neighbours.
+  /// Moves points whose triangles are coplanar to the centre of their neighbours.
   void smooth_flat() {
     for (int pass = 0; pass < 3; ++pass)
       for (int v = 0; v < static_cast<int>(point_.size()); ++v) {
@@ -340,7 +340,7 @@ private:
 
   std::vector<Vec3> point_;
   std::vector<int> shell_;
-  std::vector<std::vector<Plane>> plane_; ///< unit normal and level of what a point stands for
+  std::vector<std::vector<Plane>> plane_; ///< unit normals and levels of a point's planes
   std::vector<bool> corner_;
   std::set<Edge> feature_;
   const std::function<double(const Vec3&)>& edge_;

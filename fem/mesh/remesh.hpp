@@ -5,10 +5,10 @@
 
 namespace tactus::fem {
 
-/// The same closed surface in triangles of about `edge(position)` (m) on a side: long edges are
-/// halved, short ones collapse, the others turn to where angles are best, and points within flat
-/// parts even out (Botsch & Kobbelt 2004). Edges of more than 30 degrees stay, and so do details
-/// that would move by more than `deviation` (m), however small. Shells keep their numbers.
+/// The same closed surface with triangles whose edges are about `edge(position)` (m) long: long
+/// edges are halved, short ones collapsed, the others flipped to improve angles, and points within
+/// flat parts smoothed (Botsch & Kobbelt 2004). Edges of more than 30 degrees are kept, as are
+/// details that would move by more than `deviation` (m), however small. Shells keep their numbers.
 [[nodiscard]] Triangles remeshed(const Triangles&, const std::function<double(const Vec3&)>& edge,
                                  double deviation);
 [[nodiscard]] inline Triangles remeshed(const Triangles& surface, double edge, double deviation) {

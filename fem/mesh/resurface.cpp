@@ -12,9 +12,9 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kMaxGridPoints = 4e7;  ///< of the grid, for memory
-constexpr double kMaxSheets = .2;       ///< of a wrap's triangles, with nothing behind them
-constexpr double kMaxSkinSquares = 3e5; ///< squares of the grid's spacing that the skin fills
+constexpr double kMaxGridPoints = 4e7;  ///< limits the grid's memory
+constexpr double kMaxSheets = .2;       ///< fraction of a wrap's triangles that enclose nothing
+constexpr double kMaxSkinSquares = 3e5; ///< largest skin area in squares of the grid's spacing
 
 /// m^2.
 double skin_area(const Triangles& t) {
@@ -99,9 +99,9 @@ double enclosed(const Triangles& t) {
   return sum;
 }
 
-/// Smooths a surface over a few grid spacings and keeps its volume: each pass moves every point by
-/// a share of its distance to the mean of its neighbours, in turn towards it and away from it
-/// (Taubin 1995).
+/// Smooths a surface over a few grid spacings while keeping its volume: the passes move every point
+/// by a fraction of its distance to the mean of its neighbours, alternately towards it and away
+/// from it (Taubin 1995).
 void smooth(Triangles& t) {
   std::vector<Vec3> sum(t.points.size());
   std::vector<double> count(t.points.size());
@@ -235,8 +235,8 @@ std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<fl
   return centre;
 }
 
-/// Of the triangles that lie between two grid points, the share with both outside: the ball reaches
-/// them from either side.
+/// Among the triangles between two grid points, the fraction with both points outside: the ball
+/// touches them from both sides.
 double share_of_sheets(const RayGrid& grid, const std::vector<std::uint8_t>& inside) {
   std::size_t all = 0, sheets = 0;
   for (std::size_t i = 0; i < inside.size(); ++i)
@@ -265,15 +265,15 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
                             1e3 * gap, 1e3 * largest, 1e3 * 2 * kMaxRadius * spacing));
   const int margin = static_cast<int>(std::ceil(radius)) + 3;
   const RayGrid grid(t, spacing, margin);
-  std::vector<std::uint8_t> marked(grid.count(), 0); // beside a triangle
+  std::vector<std::uint8_t> marked(grid.count(), 0); // grid points next to a triangle
   for (std::size_t i = 0; i < marked.size(); ++i)
     for_each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
   const auto to_triangle = squared_distance(grid, marked, static_cast<int>(std::ceil(radius)));
   const auto squared_radius = static_cast<float>(radius * radius);
   const std::vector<std::uint8_t> centre = ball_centres(grid, to_triangle, squared_radius);
-  // Outside is what the ball covers. Then points of the front, up to 2 spacings behind it, become
-  // outside too if more of their outside neighbours are reached freely than through a triangle, so
-  // that the skin comes up to the triangles and a crack between them lets nothing in.
+  // The region covered by the ball is outside. Then points of the front, up to 2 spacings behind
+  // it, also become outside if more of their outside neighbours are connected to them freely than
+  // through a triangle. The skin then reaches the triangles, and a crack between them stays closed.
   const double cover = radius + 2;
   const auto to_centre = squared_distance(grid, centre, static_cast<int>(std::ceil(cover)));
   std::vector<std::uint8_t> inside(grid.count());

@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// A wrap whose ball comes in by a hole: nothing but the sheet of triangles is left.
+/// A wrap whose ball enters through a hole: only the sheet of triangles would remain.
 struct EnclosesNothing : InputError {
   using InputError::InputError;
 };
@@ -23,10 +23,10 @@ struct Resurfaced {
 /// along a side.
 [[nodiscard]] Resurfaced united(const Triangles& closed_shells, double finer = 1);
 
-/// A closed skin around any triangles: the border of what a ball of diameter `gap` (m) that rolls
-/// over them from outside does not reach. Holes and crevices narrower than `gap` are closed and
-/// what lies inside becomes solid; elsewhere the skin follows the triangles. Refuses triangles that
-/// enclose nothing at that gap (EnclosesNothing).
+/// A closed skin around any triangles: the border of the region that a ball of diameter `gap` (m)
+/// cannot reach when it rolls over them from outside. Holes and crevices narrower than `gap` are
+/// closed and their interior becomes solid; elsewhere the skin follows the triangles. Refuses
+/// triangles that enclose nothing at that gap (EnclosesNothing).
 [[nodiscard]] Resurfaced shrink_wrapped(const Triangles&, double gap);
 
 } // namespace tactus::fem

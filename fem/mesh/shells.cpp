@@ -93,7 +93,7 @@ void find_shells(Triangles& t) {
           continue;
         const std::size_t j = at(across[i][k]);
         const bool same = runs(j, t.triangles[i][k], t.triangles[i][(k + 1) % 3]);
-        const bool flip = flipped[i] != same; // of j, from how it was written
+        const bool flip = flipped[i] != same; // whether j is reversed relative to the file
         if (t.shell[j] < 0) {
           t.shell[j] = t.shells;
           flipped[j] = flip;
@@ -183,7 +183,7 @@ std::size_t drop_flat_shells(Triangles& t, double thickness) {
 
 namespace {
 
-/// Pairs of shells closer than a distance, both ways round; as soon as there are `enough` no more.
+/// Pairs of shells closer than a distance, in both orders; stops when there are `enough`.
 std::set<std::array<int, 2>> touching_shells(const Triangles& t, double distance,
                                              std::size_t enough) {
   const std::vector<Box> boxes = triangle_boxes(t);
@@ -262,7 +262,7 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
     const int s = t.shell[i];
     Triangles& body = bodies[at(number[at(outer[at(s)])])];
     auto corners = t.triangles[i];
-    for (int& v : corners) { // a shell shares no point with another
+    for (int& v : corners) { // shells share no points
       int& known = name[at(v)];
       if (known < 0) {
         known = static_cast<int>(body.points.size());

@@ -42,7 +42,7 @@ struct Quadric {
 
 class Simplifier : TriangleRings {
 public:
-  /// Points marked in `kept` stay, with all their triangles.
+  /// Points marked in `kept` are not moved, nor are their triangles.
   Simplifier(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
              double deviation, const std::vector<bool>& kept)
       : TriangleRings(surface.triangles, surface.points.size()), surface_(surface),
@@ -52,7 +52,7 @@ public:
       const Vec3 n = normal(triangle_[t]);
       const double size = length(n);
       for (const int v : triangle_[t])
-        if (size > 0) // about the point itself: large coordinates would cancel
+        if (size > 0) // relative to the point itself, to avoid cancellation at large coordinates
           quadric_[at(v)].add((1 / size) * n, dot((1 / size) * n, relative(triangle_[t][0])),
                               size / 2);
     }

@@ -12,8 +12,8 @@ public:
   [[nodiscard]] double at(const Vec3&) const noexcept;
   [[nodiscard]] double smallest() const noexcept;
   [[nodiscard]] double largest() const noexcept;
-  double elements = 0;   ///< about how many there will be
-  bool straight = false; ///< the last mesh had straight sides only
+  double elements = 0;   ///< predicted number of elements
+  bool straight = false; ///< the last mesh had only straight edges
   /// For a swept body (sweep.hpp): the borders of its layers, shares of its height, 0 to 1.
   std::vector<double> levels;
 

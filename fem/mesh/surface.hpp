@@ -15,8 +15,8 @@ struct MeshFace {
 /// three elements share.
 [[nodiscard]] std::vector<MeshFace> outer_faces(const Mesh&);
 
-/// The body's skin as flat triangles, outward. Every node of the skin is a vertex, the middle nodes
-/// of quadratic faces too: six nodes give four triangles, eight give six.
+/// The body's skin as flat triangles, oriented outward. Every node of the skin is a vertex,
+/// including mid-edge nodes: a face with six nodes gives four triangles, one with eight gives six.
 struct Surface {
   std::vector<int> node; ///< mesh node of each vertex, ascending
   std::vector<std::array<int, 3>> triangles;

@@ -15,11 +15,11 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kHoleArea = .05, kHoleExtent = .4; ///< shares of the body that are closed
+constexpr double kHoleArea = .05, kHoleExtent = .4; ///< largest closed hole over the body
 constexpr double kAllHolesArea = .1;                ///< of the skin, together
 constexpr double kSheet = .003; ///< thickness of the body, below which a capped surface is a sheet
 constexpr double kMaxSkinVolumeChange = .01; ///< of a rebuilt surface
-constexpr double kClosedGap = 2e-4;          ///< of the body, between pieces that are one
+constexpr double kClosedGap = 2e-4;          ///< gap between joined pieces over the body's size
 
 using Notify = std::function<void(const std::string&)>;
 
@@ -75,7 +75,7 @@ void close_small_holes(Triangles& t, const Notify& notify) {
         near_position(holes[0].centre) + "; give it a thickness, or take --shrink-wrap SIZE");
 }
 
-/// A closed surface without crossings of what overlaps, touches or crosses itself.
+/// A closed surface without intersections, from one that overlaps, touches or crosses itself.
 Triangles unite(const Triangles& t, const std::string& reason, const Notify& notify) {
   for (const double finer : {1., 1.7, 3.}) {
     Resurfaced made = united(t, finer);

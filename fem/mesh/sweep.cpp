@@ -12,7 +12,7 @@ namespace tactus::fem {
 namespace {
 
 /// A triangle or quadrilateral of the base: corners counter-clockwise about the direction, then the
-/// middles of the sides that follow each.
+/// mid-edge nodes that follow each corner.
 struct Cell {
   std::size_t corners;
   std::array<int, 8> node;
@@ -89,8 +89,7 @@ std::array<Vec3, 2> tangents(const BaseMesh& mesh, const Cell& cell, const Vec3&
   return out;
 }
 
-/// Turns cells counter-clockwise about the direction; straightens the sides of those that curve so
-/// much that they fold.
+/// Orients cells counter-clockwise about the direction; straightens curved edges that fold a cell.
 void repair_columns(BaseMesh& mesh, const Vec3& direction) {
   const auto folds = [&](const Cell& cell, double limit) {
     const auto reference = reference_nodes(cell.corners == 3 ? Shape::wedge15 : Shape::hex20);
@@ -115,7 +114,7 @@ void repair_columns(BaseMesh& mesh, const Vec3& direction) {
     std::reverse(cell.node.begin() + static_cast<int>(cell.corners),
                  cell.node.begin() + 2 * static_cast<int>(cell.corners));
   }
-  for (int round = 0; round < 4; ++round) { // a side straightened may fold its other cell
+  for (int round = 0; round < 4; ++round) { // a straightened edge may fold the other cell
     bool any = false;
     for (const Cell& cell : mesh.cells)
       if (folds(cell, .05)) {
@@ -178,7 +177,7 @@ namespace {
 
 constexpr double kMaxSweptVolumeChange = .01; ///< of the mesh against the solid
 
-/// The shares of the height between equal layers.
+/// Equally spaced levels as fractions of the height.
 std::vector<double> even_levels(double height, double h) {
   const double count = std::max(1.0, std::ceil(height / h - 1e-9));
   std::vector<double> levels;

@@ -84,7 +84,8 @@ bool join_open_edges(Triangles& t, double tolerance) {
   return true;
 }
 
-/// Cuts triangles whose open edge has a corner of an open edge on it. Returns how many.
+/// Splits triangles that have a corner of an open edge on their own open edge. Returns their
+/// number.
 std::size_t split_at_junctions(Triangles& t, double tolerance) {
   const auto open = open_edges(t);
   std::vector<int> corners = corners_of(open);
@@ -136,15 +137,16 @@ std::size_t split_at_junctions(Triangles& t, double tolerance) {
   return done;
 }
 
-/// Whether some of the triangles look one way and some the other.
+/// Whether the triangles have opposite orientations.
 bool is_wall(const Triangles& t, std::span<const std::size_t> copies) {
   return std::any_of(copies.begin(), copies.end(),
                      [&](std::size_t i) { return dot(t.normal(i), t.normal(copies[0])) < 0; });
 }
 
-/// Of triangles with the same corners one stays. Where edges have an even number of triangles
-/// without them, they are a wall between touching solids, and none stays, or a face that a solid
-/// shares with one around it, and all do.
+/// Keeps one of the triangles with the same corners. If instead the edges have an even number of
+/// triangles without them, the copies are removed if they are a wall between touching solids
+/// (opposite orientations), and all are kept if they are a face that a solid shares with one around
+/// it.
 std::size_t drop_duplicates(Triangles& t) {
   std::map<std::array<int, 3>, std::vector<std::size_t>> same;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
@@ -199,7 +201,8 @@ std::size_t drop_duplicates(Triangles& t) {
   return keep_triangles(t, [&](std::size_t i) { return keep[i]; });
 }
 
-/// Triangles with a free edge beside an edge of three or more: they bound nothing.
+/// Removes triangles with a free edge next to an edge with three or more triangles: they bound
+/// nothing.
 std::size_t drop_fins(Triangles& t) {
   std::size_t dropped = 0;
   for (bool again = true; again;) {

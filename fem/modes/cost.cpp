@@ -47,17 +47,17 @@ private:
         static_cast<std::size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
     const std::size_t p = (longest + 1) % 3, q = (longest + 2) % 3;
     FactorCost cost;
-    if (cells[longest] <= 1.5) { // a leaf: an element's own nodes, that is, next to none
+    if (cells[longest] <= 1.5) { // a leaf: an element's interior nodes, almost none
       cost = front(2, older_nodes(cells, touching));
     } else {
       const double separator =
           plane(cells[p], cells[q]) *
-          // ends on older separators have been counted with them
+          // nodes on ends at older separators are already counted
           std::max(.2, 1 - .5 * (touching[p] / cells[p] + touching[q] / cells[q]));
       cost = front(separator, older_nodes(cells, touching));
       cells[longest] /= 2;
       const int ends = touching[longest];
-      Touching low = touching, high = touching; // the halves: one old end each, as far as there are
+      Touching low = touching, high = touching; // each half keeps at most one old end
       low[longest] = 1 + (ends > 0);
       high[longest] = 1 + (ends > 1);
       for (const Touching& half : {low, high}) {
@@ -77,8 +77,8 @@ private:
 
 FactorCost predict_factor(const MeshSize& size) {
   FactorCost cost = Dissection(size.nodes_on_planes)(size.cells);
-  // Supernodes are stored as rectangles: a fifth more. Beside them the matrix itself, 16 bytes each
-  // of 9 entries a pair of nodes.
+  // Supernodes are stored as rectangles: about a fifth more. In addition the matrix itself: 9
+  // entries of 16 bytes per pair of nodes.
   cost.memory_bytes = 8 * 1.2 * cost.entries + 144 * size.node_pairs;
   return cost;
 }
@@ -119,7 +119,7 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   const double basis_columns = std::min(4 * found + 12 * kBlock, mesh.dofs()) + kBlock;
   const double lanes = 2 * kBlock * vector; // columns side by side in a product with K or M
 
-  constexpr double kProgram = 60e6; // what the program and its libraries take without a body
+  constexpr double kProgram = 60e6; // memory of the program and its libraries without a body
   const double started = kProgram + work.retained_bytes;
   const double raw = started + kMeshNode * mesh.nodes + kMeshElement * mesh.elements;
   const double assembled = raw + kMatrixPair * pairs;
@@ -147,8 +147,8 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
               std::max(basis_columns + found + 6 * kBlock, 4 * found) * vector + lanes,
           "the modes' basis");
     if (work.estimated) {
-      // Blocks and vectors of an element's enriching functions: 19 of hex20, 7 of them its own, and
-      // 10 of tet10, some 3.5 its own.
+      // Blocks and vectors of an element's enriching functions: 19 in hex20, 7 of them not shared
+      // with neighbours, and 10 in tet10, about 3.5 not shared.
       const double element = mesh.nodes_on_planes < 1 ? 10e3 : 30e3;
       stage(assembled + factored + shapes + (element + 12 * work.modes) * mesh.elements + 3 * lanes,
             "the error estimate");

@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// What is to be computed on a mesh: the input of the prediction.
+/// The work to be done on a mesh: the input of the prediction.
 struct Workload {
   MeshSize mesh;
   double modes = 40;
@@ -16,7 +16,7 @@ struct Workload {
   double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
   bool factor_elsewhere = false; ///< on other processes: not counted here
   double flops_per_second = 8e9; ///< of a dense product, on the threads used
-  double retained_bytes = 0;     ///< of another mesh's results, which stay in memory meanwhile
+  double retained_bytes = 0;     ///< memory of another mesh's results, kept meanwhile
 };
 
 /// Memory of a mesh with its matrices and modes, bytes.

@@ -50,7 +50,7 @@ double dense_flops_per_second() {
   constexpr std::size_t kSize = 512;
   const std::vector<double> a(kSize * kSize, 1.0), b(kSize * kSize, 1.0);
   std::vector<double> c(kSize * kSize, 0.0);
-  double best = 1e30; // the first product also wakes the library up
+  double best = 1e30; // the first product includes the library's start-up
   for (int i = 0; i < 3; ++i) {
     const auto begin = std::chrono::steady_clock::now();
     add_product(1, {a, kSize}, {b, kSize}, c, kSize);

@@ -30,7 +30,7 @@ public:
   std::size_t solves = 0;
   std::vector<double> next; ///< the block to append, M-orthonormal
   std::size_t next_width = 0;
-  std::vector<double> residual; ///< its coupling to the last block: next_width x last_width
+  std::vector<double> residual; ///< coupling of `next` to the last block: next_width x last_width
   std::size_t last_width = 0;
 
   void start() {
@@ -202,8 +202,8 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
   for (int blocks = 0; count > 0; ++blocks) {
     if (lanczos.next_width > 0)
       lanczos.step();
-    // Most pairs are found in the last few blocks: solves tell how far it is, pairs that it is
-    // done.
+    // Most pairs converge in the last few blocks, so progress is estimated from the number of
+    // solves; the pairs decide when it ends.
     if (settings.progress)
       settings.progress(std::min(.95, static_cast<double>(lanczos.solves) /
                                           static_cast<double>(2 * count + 100)));

@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// Vectors that are solved for together.
+/// Number of vectors solved for at once.
 inline constexpr std::size_t kLanczosBlock = 8;
 
 /// Eigenpairs of K u = lambda M u, lambda ascending.

@@ -36,7 +36,7 @@ std::vector<ModeMatch> match_modes(const Matrices& m, std::span<const double> be
                                    std::span<const double> now) {
   const std::size_t p = now.size() / m.dofs(), q = before.size() / m.dofs();
   const std::vector<double> c = correlation(m, before, now);
-  // Sets of linked modes: those before, then those now.
+  // Sets of linked modes: first the earlier modes, then the new ones.
   std::vector<std::size_t> parent(q + p);
   std::iota(parent.begin(), parent.end(), std::size_t{0});
   const auto root = [&](std::size_t a) {

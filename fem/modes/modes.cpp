@@ -30,8 +30,8 @@ double default_shift(const Mesh& mesh, std::span<const Material> materials) {
 
 double highest_wave_number(double volume, double skin, double length, const Material& m,
                            std::size_t count) {
-  // Of an orthotropic material the geometric mean of the stiffest direction and the softest: its
-  // waves are as many, and the estimate of directions refines what is left.
+  // For an orthotropic material the geometric mean of the stiffest and the softest direction: it
+  // gives the same number of waves, and the error estimate then refines each direction.
   const double soft =
       m.isotropic() ? m.young_pa[0] : *std::min_element(m.young_pa.begin(), m.young_pa.end());
   const double shear = m.isotropic() ? m.young_pa[0] / (2 * (1 + m.poisson[0]))

@@ -9,14 +9,14 @@ namespace tactus::fem {
 struct Modes {
   std::vector<double> frequency_hz;
   std::vector<double> shapes;    ///< columns dofs long, mass-normalised: phi' M phi = 1, 1/sqrt(kg)
-  std::vector<int> multiplicity; ///< of the group within 0.1 % that the mode belongs to
+  std::vector<int> multiplicity; ///< size of the mode's group of frequencies within 0.1 %
   std::vector<double> residual;  ///< ||K u - lambda M u|| / (lambda ||M u||)
   std::size_t rigid = 0;         ///< motions without strain that were left out
   std::size_t solves = 0;
   FactorCost cost;
 };
 
-/// Progress callback: the stage, and the share of it that is done, 0 to 1.
+/// Progress callback: the stage and its completed fraction, 0 to 1.
 using Report = std::function<void(const std::string& stage, double share)>;
 
 struct ModeSettings {
@@ -50,7 +50,7 @@ struct ModeSettings {
 [[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                const ModeSettings&);
 
-/// Leaves out all modes but the first.
+/// Keeps only the first modes.
 void keep_first(Modes&, std::size_t count);
 
 /// Sets frequencies from lambda = u' K u / u' M u, sorts by them, makes u' M u = 1, sets residuals.

@@ -34,7 +34,7 @@ double mean_edge(const Mesh& mesh, const Surface& skin) {
   return sum / (3 * static_cast<double>(skin.triangles.size()));
 }
 
-/// Vertices each as far as can be from those before.
+/// Vertices chosen one after another, each as far as possible from the earlier ones.
 std::vector<std::size_t> spread_out(const std::vector<Vec3>& points, std::size_t count) {
   std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> chosen;
@@ -48,8 +48,8 @@ std::vector<std::size_t> spread_out(const std::vector<Vec3>& points, std::size_t
   return chosen;
 }
 
-/// Takes from a force what accelerates the body as a whole, to which nothing yields; `heavy` are
-/// the rigid motions times the mass.
+/// Removes from a force the part that accelerates the body as a rigid body, which causes no
+/// deformation; `heavy` are the rigid motions times the mass.
 void remove_rigid_part(std::span<const double> rigid, std::span<const double> heavy,
                        std::span<double> force) {
   const std::size_t n = force.size();

@@ -21,13 +21,14 @@ struct PushPatch {
 ///
 ///   r = f'(K^-1 - sum phi phi'/omega^2) f - 16 (1 - nu^2) / (3 pi^2 E R),    f = push_patch
 ///
-/// K^-1 without the rigid motions; the last term is the mean depth of a half space under an even
-/// pressure on a circle (Johnson 1985, 3.29), R that of the patch's area, because a Hertz contact
-/// contains the half space's share already. Negative values are set to zero. K^-1 is taken from K +
-/// s M, s far below the first mode left out, which it misses by s/omega^2. It is computed at
-/// `probe_count` vertices that lie as far apart as possible, and interpolated from the nearest four
-/// with weights 1/distance^2. The patch is some 1.5 elements wide: finer meshes resolve edges
-/// better. Isotropic material of the first region.
+/// K^-1 excludes the rigid motions. The last term is the mean indentation of a half space under
+/// uniform pressure on a circle (Johnson 1985, 3.29), R the radius for the patch's area; it is
+/// subtracted because a Hertz contact already contains the half space's compliance. Negative values
+/// are set to zero. K^-1 is computed from K + s M, with s far below the first omitted mode, with a
+/// relative error of s/omega^2. It is computed at `probe_count` vertices as far apart as possible,
+/// and interpolated from the nearest four with weights 1/distance^2. The patch is about 1.5
+/// elements wide: finer meshes resolve edges better. Uses the isotropic material of the first
+/// region.
 [[nodiscard]] std::vector<float> residual_compliance(const Mesh&, std::span<const Material>,
                                                      const Matrices&, const Modes&,
                                                      std::size_t probe_count = kCompliancePoints,

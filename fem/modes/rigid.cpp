@@ -8,7 +8,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Of the stiffness of the stiffest node, a node: rounding leaves about 1e-16 in a rigid motion.
+/// Relative to the stiffness of the stiffest node, per node: rounding leaves about 1e-16 in a rigid
+/// motion.
 constexpr double kNoEnergy = 3e-15;
 
 std::vector<double> trial_motions(const Mesh& mesh, const Parts& parts) {
@@ -58,8 +59,8 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
       scale = std::max(scale, m.stiffness[9 * m.graph.find(static_cast<std::int64_t>(node),
                                                            static_cast<std::int64_t>(node)) +
                                           i]);
-  // What each motion costs: strain energy, and the square of what held nodes would move. Held rows
-  // are put back into K here, since a trial motion may move them.
+  // The cost of each motion: its strain energy, plus the squared displacement of constrained nodes.
+  // Constrained rows are restored in K here, since a trial motion may move them.
   std::vector<double> image(n * count);
   Matrices free = m;
   std::fill(free.constrained.begin(), free.constrained.end(), std::uint8_t{0});

@@ -35,9 +35,9 @@ public:
   /// Makes the copy of the factor in single precision that precondition() uses; half the factor's
   /// memory.
   void prepare();
-  /// Approximates solve() for one vector by the single-precision copy, with a relative error of
-  /// some 1e-6: a preconditioner. The time of a solve is that of reading the factor from memory,
-  /// and single precision halves it. Calls prepare() where that was not done.
+  /// Approximates solve() for one vector with the single-precision copy, with a relative error of
+  /// about 1e-6: a preconditioner. A solve takes the time of reading the factor from memory, which
+  /// single precision halves. Calls prepare() if necessary.
   void precondition(std::span<const double> b, std::span<double> x);
   /// Memory that the factor and its copy take now, bytes.
   [[nodiscard]] double memory_bytes() const noexcept;

@@ -56,7 +56,7 @@ SingleFactor::SingleFactor(const SupernodalFactor& f) {
       largest = std::max(largest, width + inside + beyond);
     }
   }
-  // Two megabytes a page where the system offers them: a substitution walks through all of it.
+  // Uses pages of two megabytes if the system offers them: a substitution reads the whole factor.
   constexpr std::size_t kHugePage = std::size_t{1} << 21;
   const std::size_t bytes = (values_ * sizeof(float) / kHugePage + 1) * kHugePage;
   value_.reset(static_cast<float*>(std::aligned_alloc(kHugePage, bytes)));
@@ -92,7 +92,7 @@ SingleFactor::SingleFactor(const SupernodalFactor& f) {
 }
 
 void SingleFactor::solve(std::span<const double> b, std::span<double> x) {
-  // Forces and stiffnesses may lie beyond single precision's range: of unit size they do not.
+  // Scaled to unit size, since forces and stiffnesses may exceed the range of single precision.
   double largest = 0;
   for (const double v : b)
     largest = std::max(largest, std::abs(v));

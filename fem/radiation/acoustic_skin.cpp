@@ -17,7 +17,7 @@ Vec3 double_area(const AcousticSkin& s, const std::array<int, 3>& t) {
                s.vertex[static_cast<std::size_t>(t[2])] - a);
 }
 
-/// Vertices that no triangle uses go.
+/// Removes vertices that no triangle uses.
 AcousticSkin compact(AcousticSkin s) {
   s.vertex = used_points(s.triangle, s.vertex);
   return s;
@@ -152,11 +152,12 @@ public:
   }
 
   AcousticSkin coarse() {
-    // Rounds with a growing limit of cost: cheap, deterministic, and it keeps the sizes even.
+    // Rounds with a growing cost limit: fast, deterministic, and the sizes stay even.
     double area = 0; // in four dimensions
     for (const auto& t : triangle_)
       area += shape_of(t).first;
-    // Edges of equilateral triangles, and a margin that grows where nothing else can give way.
+    // Edge of the equilateral triangles, with a margin for places where no other collapse is
+    // possible.
     longest_ = 1.4 * even_edge(area);
     double limit = 1e-4 * area / static_cast<double>(target_triangles_);
     for (int round = 0; round < 80 && count_ > target_triangles_;
@@ -184,7 +185,7 @@ public:
 
 private:
   const Vec3& vertex(int v) const { return skin_.vertex[at(v)]; }
-  /// Side of the equilateral triangles of which `target_triangles_` cover an area.
+  /// Edge of equilateral triangles, `target_triangles_` of which cover an area.
   double even_edge(double area) const {
     return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(target_triangles_));
   }

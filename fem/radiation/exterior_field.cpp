@@ -30,7 +30,8 @@ std::vector<OuterPoint> outer_rule(bool touching) {
     }
   if (!touching)
     return rule;
-  // Touching panels: the inner integral has a logarithm at the edge; four quarters see it.
+  // Touching panels: the inner integral has a logarithmic singularity at the edge, which four
+  // quarters resolve.
   const std::array<std::array<std::array<double, 3>, 3>, 4> quarters{
       {{{{1, 0, 0}, {.5, .5, 0}, {.5, 0, .5}}},
        {{{0, 1, 0}, {0, .5, .5}, {.5, .5, 0}}},
@@ -78,8 +79,8 @@ void ExteriorField::prepare_neighbours() {
         continue;
       Neighbours pair{static_cast<int>(u), {}, {}, {}};
       for (const OuterPoint& o : distance < reach ? touching : plain) {
-        // Test point on the first panel: potential and the slope back, as the normal is the
-        // second's.
+        // Test point on the first panel: the potential, and the slope with the normal of the second
+        // panel (`back`).
         const StaticIntegrals over_q = static_integrals(q, point_of(p, o.hat));
         const StaticIntegrals over_p = static_integrals(p, point_of(q, o.hat));
         for (std::size_t a = 0; a < 3; ++a)

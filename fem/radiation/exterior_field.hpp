@@ -41,13 +41,13 @@ public:
   [[nodiscard]] Complex pressure(double k, std::span<const Complex> mu, const Vec3& x) const;
 
 private:
-  struct Neighbours { ///< a pair of panels (first <= second) whose 1/R needs care
+  struct Neighbours { ///< a pair of close panels (first <= second), integrated in closed form
     int second;
     std::array<double, 9> potential, slope, slope_back;
   };
   void prepare_neighbours();
-  /// The pairs of panel t with the panels first ... last - 1; `close` moves on to last's in
-  /// near_[t].
+  /// The pairs of panel t with the panels first ... last - 1; `close` advances to the position of
+  /// `last` in near_[t].
   void integrate_pairs(std::size_t t, std::size_t first, std::size_t last, double k,
                        std::vector<Neighbours>::const_iterator& close, PanelPairs&) const;
   /// Galerkin's matrix at a wavenumber, 1/m, column-major.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSameFrequency = 1e-3;
 constexpr double kTailPowerShare =
-    1e-6; // share of the power's sum at the reference sphere in the tail
+    1e-6; // fraction of the power at the reference sphere in the truncated tail
 
 /// Vertices of the outer skin as mesh nodes: outer_skin keeps the order of surface_of.
 std::vector<Vec3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
@@ -46,7 +46,7 @@ double squared_normal_velocity(const AcousticSkin& skin, std::span<const Vec3> v
   return sum;
 }
 
-/// The lowest degree that leaves next to nothing of the field on the reference sphere behind.
+/// The lowest degree that truncates only a negligible part of the field on the reference sphere.
 std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   double all = 0;
   for (const Complex& x : c)
@@ -61,7 +61,7 @@ std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   return 0;
 }
 
-/// The boundary elements of one body, and what maps its modes onto them.
+/// The boundary elements of one body, and the mapping of its modes to them.
 struct AcousticModel {
   const Mesh& mesh;
   const Modes& modes;

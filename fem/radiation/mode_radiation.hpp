@@ -17,7 +17,7 @@ struct ModeRadiation {
   std::vector<double> decay_rate; ///< [K] 1/s: radiated power over twice the energy
   std::vector<double> efficiency; ///< [K] power over rho c ∫ v_n^2/2 dS
   std::size_t triangles = 0;
-  double resolved_hz = 0; ///< up to here a wave has four edges of the acoustic mesh
+  double resolved_hz = 0; ///< a wavelength has at least four edges of the acoustic mesh up to here
   /// The same waves of every mode's motion at frequencies common to all modes, for forced
   /// vibration; arrays mp_band_*. Empty unless requested.
   struct Band {

@@ -31,7 +31,7 @@ void copy_lane(const std::vector<double>& of, std::size_t first, std::size_t cou
   std::copy_n(of.begin() + static_cast<std::ptrdiff_t>(first), count, lane.begin());
 }
 
-/// Some panels' areas, normals and their points of one number.
+/// Arrays of panels: their areas, normals, and their points of one index.
 struct Others {
   Lane area, nx, ny, nz, px, py, pz, close;
 };
@@ -40,7 +40,7 @@ struct Others {
 TACTUS_VECTOR_CLONES void evaluate_pairs(const Others& q, std::size_t count, const Vec3& from,
                                          const Vec3& n, double weight, double k, std::size_t at,
                                          PanelPairs& out) {
-  // Local arrays, which compilers see not to overlap: the loop below is vectorised.
+  // Local arrays, which cannot alias, so that compilers vectorise the loop below.
   Lane value_re, value_im, slope_re, slope_im, back_re, back_im;
   for (std::size_t u = 0; u < count; ++u) {
     const double x = from.x - q.px[u], y = from.y - q.py[u], z = from.z - q.pz[u];

@@ -9,7 +9,7 @@ namespace tactus::fem {
 /// cos x and sin x for 0 <= x < 1e6, absolute error below 2e-15. Without branches or calls: a
 /// compiler vectorises loops over it, which it cannot do with the C library's.
 inline void cosine_and_sine(double x, double& cosine, double& sine) noexcept {
-  constexpr double kToNearest = 6755399441055744.0; // 1.5 2^52: rounds what is added to it
+  constexpr double kToNearest = 6755399441055744.0; // 1.5 2^52: adding it rounds to an integer
   constexpr double kTurnHigh = 6.2831853069365025;  // 2 pi: its upper 32 bits, and the rest
   constexpr double kTurnLow = 2.430840202602477e-10;
   const double turns = (x * .15915494309189535 + kToNearest) - kToNearest;

@@ -16,7 +16,8 @@ constexpr std::size_t whole_vectors(std::size_t count) {
   return (count + kVector - 1) / kVector * kVector;
 }
 
-/// A row of Legendre's functions from the two before it, and of psi. `count` is whole vectors.
+/// A row of Legendre functions and of psi from the two rows before it. `count` is a multiple of the
+/// vector width.
 TACTUS_VECTOR_CLONES void fill_row(std::size_t count, double cosine, double bessel,
                                    const double* __restrict along, const double* __restrict inverse,
                                    const double* __restrict turn, const double* __restrict turn_j,
@@ -176,7 +177,7 @@ void RegularWaves::evaluate(double k, const Vec3& x, const Vec3& n, const Planes
   }
   const auto j = spherical_bessel(highest_ + 1, k * r);
   double diagonal = std::sqrt(1 / (4 * std::numbers::pi));
-  for (Row& row : rows_) // degree -1, and what lies beyond m = l
+  for (Row& row : rows_) // degree -1, and entries with m > l
     for (std::vector<double>* values : {&row.legendre, &row.re, &row.im})
       std::fill(values->begin(), values->end(), 0.0);
   for (std::size_t l = 0; l <= highest_ + 1; ++l) {
@@ -310,7 +311,7 @@ std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<
         const auto sum = [&](std::size_t plane) {
           return Complex(re[plane * size + at], im[plane * size + at]);
         };
-        // Of conj(slope) + j k conj(psi), at -m times (-1)^m without the conjugates.
+        // From conj(slope) + j k conj(psi); for -m times (-1)^m without the conjugates.
         const Complex j(0, 1), even = sum(2) + j * k * sum(0), odd = k * sum(1) - j * sum(3);
         Complex* to = &c[column * terms + l * l + l];
         const Complex scale = Complex(0, -k) * h[l];

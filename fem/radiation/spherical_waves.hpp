@@ -18,10 +18,10 @@ namespace tactus::fem {
 class RegularWaves {
 public:
   explicit RegularWaves(std::size_t highest);
-  /// Numbers in one plane: for each degree a row of m = 0 ... l, and what fills it up to whole
-  /// vectors.
+  /// Length of one plane: for each degree a row m = 0 ... l, padded to a multiple of the vector
+  /// width.
   [[nodiscard]] std::size_t size() const noexcept { return start_.back(); }
-  /// Where in a plane the row of degree l begins.
+  /// Start of the row of degree l in a plane.
   [[nodiscard]] std::size_t start(std::size_t l) const noexcept { return start_[l]; }
   /// The real and imaginary parts of psi (no unit) and of the slopes (1/m), a plane each.
   struct Planes {

@@ -45,7 +45,7 @@ MeshSize size_of_ball(double radius, double h, int at_least, const SweepGrid* gi
   MeshSize size;
   size.elements = m * m * m + a * skin_faces;
   size.nodes = corners + edges;
-  // Pairs of nodes of each element, less those of inner faces, plus of inner edges, less corners.
+  // Pairs of nodes of each element, minus those of inner faces, plus inner edges, minus corners.
   size.node_pairs = 210 * size.elements - 36 * (6 * size.elements - skin_faces) / 2 +
                     6 * (edges - skin_edges) - (corners - skin_corners);
   size.skin_triangles = 6 * skin_faces;
@@ -122,8 +122,9 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
               return (1 - t) * in_core(face) + t * onto_ball(face);
             });
   merge_nodes(mesh, 1e-8 * radius);
-  // Quadratic sides through nodes on the sphere enclose too little, by as large an error as the
-  // elements make in a low mode's frequency; the estimate of errors cannot see it.
+  // Quadratic edges through nodes on the sphere enclose too small a volume. The resulting error of
+  // low modes' frequencies is as large as that of the elements, and the error estimate does not
+  // include it.
   const double exact = 4 * std::numbers::pi / 3 * radius * radius * radius;
   const double scale = std::cbrt(exact / volume(mesh));
   for (Vec3& p : mesh.nodes)

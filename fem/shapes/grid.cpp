@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGradation = 3;
 
-/// Of min prod_d N_d^p_d, N_d = sum_i 1/f_i, under sum_i error_i f_i^order_i = target:
+/// Minimising prod_d N_d^p_d, N_d = sum_i 1/f_i, under sum_i error_i f_i^order_i = target gives
 /// f_i^(order_i + 1) = p_d / (pressure order_i error_i N_d).
 std::vector<double> factors(const SweepGrid& grid, std::span<const double> error,
                             std::span<const double> order, double pressure) {
@@ -32,7 +32,7 @@ std::vector<double> factors(const SweepGrid& grid, std::span<const double> error
   return factor;
 }
 
-/// Sizes of neighbouring intervals within `kGradation` of each other.
+/// Limits the ratio of neighbouring intervals' sizes to `kGradation`.
 void smooth(std::span<const double> line, std::span<double> factor) {
   const auto size = [&](std::size_t i) { return line[i + 1] - line[i]; };
   const std::size_t n = factor.size();

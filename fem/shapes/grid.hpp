@@ -31,9 +31,9 @@ struct SweepGrid {
   }
 };
 
-/// A direction's lines with the intervals' sizes times `factor`: singular ones (`order`) split
-/// geometrically towards the singular line, neighbours within a factor of three, `kept` lines where
-/// they are.
+/// A direction's lines with the intervals' sizes multiplied by `factor`: singular intervals (by
+/// `order`) are split geometrically towards the singular line, neighbours differ by at most a
+/// factor of three, `kept` lines stay.
 [[nodiscard]] std::vector<double> redistribute(std::vector<double> line,
                                                std::span<const double> kept,
                                                std::vector<double> factor,

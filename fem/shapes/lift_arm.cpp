@@ -18,8 +18,8 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kMillimetre = 1e-3;
-/// Of the corner between two perpendicular walls, less a quarter disk of radius 1: the area, and
-/// its first moment about a wall.
+/// Area between two perpendicular walls and a quarter disk of radius 1 that touches them, and its
+/// first moment about a wall.
 constexpr double kCornerArea = 1 - pi / 4, kCornerMoment = 5. / 6 - pi / 4;
 
 struct Circle {
@@ -139,7 +139,7 @@ void add_slots(Plan& plan, const LiftArm& arm) {
   }
 }
 
-/// Refuses dimensions that no arm has.
+/// Refuses impossible dimensions.
 void check_dimensions(const LiftArm& arm) {
   const std::array<std::pair<const char*, double>, 8> lengths{{{"length", arm.length},
                                                                {"rise", arm.rise},

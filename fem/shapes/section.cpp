@@ -21,7 +21,7 @@ void Section::add_mapped(std::span<const double> us, std::span<const double> vs,
 
 namespace {
 
-/// Sizes from each concave end that grow until they reach h; what remains is divided evenly.
+/// Interval sizes that grow from each concave end until they reach h; the rest is divided evenly.
 struct Graded {
   std::vector<double> from_low, from_high;
   double left = 0, even = 0; ///< length and number of the even intervals
@@ -119,7 +119,7 @@ struct Cuts {
 
 namespace {
 
-/// Where the lines from a to b begin among all, and those lines.
+/// The index of the first line from a to b, and the lines in that range.
 std::pair<std::size_t, std::vector<double>> lines_within(const std::vector<double>& lines, double a,
                                                          double b) {
   const double near = 1e-9 * (lines.back() - lines.front());

@@ -14,14 +14,14 @@ struct Meridian {
 };
 
 /// A half section in quadratic quadrilaterals: corners counter-clockwise in (r, z), then the
-/// middles of the sides that follow each corner.
+/// mid-edge nodes that follow each corner.
 struct Section {
   std::vector<std::array<Meridian, 8>> quads;
   std::vector<std::array<int, 2>> interval; ///< of each quad along its first and second side
   SweepGrid grid;                           ///< without the direction around the axis
 
-  /// The image of the unit square, cut at the given coordinates. The map must keep the orientation.
-  /// `number(i, j)` gives the intervals of the grid that a cell spans along u and v.
+  /// Adds the image of the unit square, divided at the given coordinates. The map must preserve the
+  /// orientation. `number(i, j)` returns the grid's intervals that a cell spans along u and v.
   void add_mapped(std::span<const double> us, std::span<const double> vs,
                   const std::function<Meridian(double u, double v)>& map,
                   const std::function<std::array<int, 2>(int i, int j)>& number);
@@ -44,8 +44,8 @@ struct Division {
 /// The number of intervals that `divide` makes. Needs next to no memory, however small `h` is.
 [[nodiscard]] double count_divisions(const Division&);
 
-/// Numbers of the parts of a section's mesh. Corners and sides on the axis are counted separately,
-/// since they do not multiply when the section is turned.
+/// Counts of the parts of a section's mesh. Corners and edges on the axis are counted separately,
+/// since revolving does not multiply them.
 struct SectionSize {
   double quads = 0, corners = 0, sides = 0;
   double outer_sides = 0;                                  ///< on the body's skin
@@ -63,7 +63,7 @@ struct Rectangles {
   double h = 0;
   int min_divisions_r = 2, min_divisions_z = 2;
   bool grade = true;
-  double grading = 27; ///< the smallest interval is this part of the others
+  double grading = 27; ///< size of the other intervals over the smallest
 };
 /// `grid`: lines to take instead of those that follow from h.
 [[nodiscard]] Section rectangles(const Rectangles&, const SweepGrid* grid = nullptr);

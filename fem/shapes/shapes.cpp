@@ -35,8 +35,8 @@ double sectors_for(double radius, double h) {
   return std::max(16.0, 4 * std::ceil(2 * pi * radius / h / 4 - 1e-9));
 }
 
-/// The size of a section's mesh turned about the axis. Node pairs by inclusion and exclusion: those
-/// of each element, less those of the faces that two share, plus edges, less corners.
+/// The size of a revolved section's mesh. Node pairs by inclusion and exclusion: those of each
+/// element, minus those of faces shared by two, plus edges, minus corners.
 MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> section_cells) {
   const double inner_sides = s.sides - s.outer_sides - s.axis_sides;
   const double inner_corners = s.corners - s.outer_sides - s.axis_corners;
@@ -212,7 +212,7 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   size.node_pairs = 210 * size.elements - 36 * faces + 6 * lines - (nx - 1) * (ny - 1) * (nz - 1);
   size.skin_triangles = 12 * (nx * ny + ny * nz + nz * nx);
   size.cells = {nx, ny, nz};
-  size.nodes_made = 2 * size.nodes; // the lattice's numbers
+  size.nodes_made = 2 * size.nodes; // entries of the lattice
   size.volume = x * y * z;
   size.box = {x, y, z};
   return planned(size, [=, min_divisions_x = min_divisions(x), min_divisions_y = min_divisions(y),

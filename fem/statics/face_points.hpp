@@ -21,7 +21,7 @@ struct FaceNodes {
 };
 [[nodiscard]] FaceNodes face_nodes(const Mesh&, const MeshFace&);
 
-/// Refuses faces that the mesh has not, naming whose they are.
+/// Refuses faces that the mesh does not have; `label` names their owner.
 void check_faces(const Mesh&, std::span<const MeshFace>, const std::string& label);
 
 } // namespace tactus::fem

@@ -63,7 +63,7 @@ Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& la
           vv += area * nv * nv;
         }
     const double determinant = uu * vv - uv * uv;
-    if (!(determinant > 1e-9 * whole * whole)) // the faces look along the axis, or all one way
+    if (!(determinant > 1e-9 * whole * whole)) // the normals are along the axis, or parallel
       break;
     const Vec3 next = (total / determinant) * (vv * u - uv * v);
     const double change = length(next - e);

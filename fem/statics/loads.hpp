@@ -48,8 +48,8 @@ using Load = std::variant<Traction, TotalForce, Pressure, Gravity, PointForce, B
 
 /// The consistent nodal forces f_a = integral of N_a t over the faces (tri3, tri6, quad4, quad8) or
 /// N_a rho g over the volume, N, dofs() long (Zienkiewicz & Taylor, The Finite Element Method, vol.
-/// 1, ch. 2). Refuses faces or nodes that are not there, values that are no numbers, and a bolt
-/// force that its wall cannot take, naming the load.
+/// 1, ch. 2). Refuses missing faces or nodes, values that are not finite, and a bolt force that its
+/// wall cannot carry, naming the load.
 [[nodiscard]] std::vector<double> load_vector(const Mesh&, std::span<const Material>,
                                               std::span<const Load>);
 

@@ -57,7 +57,8 @@ private:
   Gradient right_{};
 };
 
-/// An element's middle and the stress there, and its gradient, of its best points.
+/// An element's centre, the stress there and its gradient, from the element's superconvergent
+/// points.
 struct LinearStress {
   Vec3 middle;
   Stress mean{};
@@ -176,7 +177,7 @@ RecoveredStress recovered_stress(const Mesh& mesh, std::span<const Material> mat
     }
     out.error[n] = von_mises(missed[n]);
   }
-  // One node's estimate may vanish by chance: the largest of its elements' nodes counts.
+  // The estimate of one node may vanish by chance, so each node takes the largest in its elements.
   const std::vector<double> curved_by = out.error;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const auto nodes = mesh.nodes_of(mesh.elements[e]);

@@ -19,7 +19,7 @@ struct RecoveredStress {
 [[nodiscard]] RecoveredStress recovered_stress(const Mesh&, std::span<const Material>,
                                                std::span<const double> displacement);
 
-/// At each element's middle, from the nodes by the shape functions.
+/// At each element's centre, interpolated from the nodes with the shape functions.
 [[nodiscard]] std::vector<Stress> at_middles(const Mesh&, std::span<const Stress> at_nodes);
 
 } // namespace tactus::fem

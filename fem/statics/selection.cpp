@@ -10,7 +10,7 @@ namespace tactus::fem {
 namespace {
 
 template <class... F> struct Overloaded : F... { using F::operator()...; };
-template <class... F> Overloaded(F...) -> Overloaded<F...>; // clang 14 asks for it
+template <class... F> Overloaded(F...) -> Overloaded<F...>; // required by clang 14
 
 using Inside = std::function<bool(std::size_t node)>;
 

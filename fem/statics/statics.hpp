@@ -56,7 +56,7 @@ struct StaticAnalysis {
 };
 
 /// Assembles, factorises (CHOLMOD), solves. `predict` is called with the predicted cost before the
-/// factorisation. It may throw to refuse what is too large.
+/// factorisation and may throw to refuse it.
 [[nodiscard]] StaticAnalysis
 solve_static(const Mesh&, const StaticModel&,
              const std::function<void(const FactorCost&)>& predict = {});

@@ -14,14 +14,15 @@ Eigenpairs3 principal_pairs(const Stress& s) noexcept {
   return symmetric_eigenpairs({{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}});
 }
 
-/// Where the stress of an element is best (Barlow 1976), and how its values there extend to its
-/// nodes: by the polynomial that has as many terms as there are points.
+/// The superconvergent points of an element's stress (Barlow 1976), and the extrapolation of values
+/// there to its nodes: by the polynomial with as many terms as there are points.
 struct Smoothing {
   Tabulated points;
   std::vector<double> to_nodes; ///< [node][point]
 
   Smoothing(Shape shape, std::vector<QuadraturePoint> at) : points(shape, at) {
-    // The terms' values at the points, times what goes to a node, are the terms' values there.
+    // Condition: the terms' values at the points, multiplied by to_nodes, equal the terms' values
+    // at the nodes.
     const auto terms = [](const Vec3& p) {
       return std::array{1., p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z};
     };

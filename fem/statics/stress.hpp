@@ -22,7 +22,7 @@ using Stress = std::array<double, 6>;
 [[nodiscard]] Stress stress_at(const Mesh&, const Element&, const ElasticLaw&,
                                std::span<const double> displacement, const Vec3& reference);
 
-/// Reference coordinates of an element's middle: of its corners' mean.
+/// Reference coordinates of an element's centre: the mean of its corners.
 [[nodiscard]] Vec3 centroid_of(Shape) noexcept;
 /// The shape functions at centroid_of().
 [[nodiscard]] const ShapeValues& at_centroid(Shape);
@@ -40,7 +40,8 @@ struct StressSample {
 [[nodiscard]] std::vector<std::vector<StressSample>>
 best_stress(const Mesh&, std::span<const Material>, std::span<const double> displacement);
 
-/// The shares with which values at the best points extend to one of the element's nodes.
+/// The weights with which values at the superconvergent points are extrapolated to one of the
+/// element's nodes.
 [[nodiscard]] std::span<const double> shares_of_best_points(Shape, std::size_t node);
 
 /// Volume of each element, m^3.

@@ -4,7 +4,7 @@
 
 namespace tactus::fem {
 
-/// Nodes held in the chosen directions, or moved by a prescribed displacement (m).
+/// Nodes fixed in the chosen directions, or with a prescribed displacement (m).
 struct FixedPatch {
   std::string name;
   std::vector<int> nodes;
@@ -21,7 +21,7 @@ struct SpringPatch {
   Vec3 stiffness_n_per_m;
 };
 
-/// 1 a degree of freedom that some patch holds.
+/// 1 for each degree of freedom that a patch constrains.
 [[nodiscard]] std::vector<std::uint8_t> held_directions(const Mesh&, std::span<const FixedPatch>);
 
 /// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.

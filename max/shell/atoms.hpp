@@ -18,7 +18,7 @@ void set_atom(t_atom& to, const Atom& atom);
 /// gensym() for a word that does not end in a zero.
 [[nodiscard]] t_symbol* symbol_of(std::string_view word);
 
-/// Max keeps every function as one of its untyped pointers.
+/// Max stores every function as one untyped pointer type.
 template <class Function> [[nodiscard]] method method_of(Function* function) {
   return reinterpret_cast<method>(reinterpret_cast<void (*)()>(function));
 }

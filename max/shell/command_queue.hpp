@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-/// Commands on their way to an object, from any thread, in order.
+/// The queue of commands for an object, in order, from any thread.
 namespace tactus::max {
 
 /// One call of an object's member. Words point to Max's symbols, which live as long as Max.
@@ -25,7 +25,7 @@ struct QueuedCommand {
     kCreated,
     kDumpFirst,
     kDump,
-    kGet ///< of a name that is no parameter's
+    kGet ///< `get` of a name that is no parameter
   };
   static constexpr std::size_t kFewAtoms = 8;
 
@@ -33,9 +33,10 @@ struct QueuedCommand {
   bool realtime = false; ///< runs without allocating, so the audio thread may run it
   std::size_t index = 0; ///< of parameter, message, inlet or timer
   double value = 0;      ///< of a parameter or scalar
-  std::size_t count = 0; ///< of the few atoms
+  std::size_t count = 0; ///< number of atoms in `few`
   std::array<Atom, kFewAtoms> few{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  std::unique_ptr<std::vector<Atom>> many{}; ///< instead of the few; never of a realtime command
+  std::unique_ptr<std::vector<Atom>>
+      many{}; ///< used instead of `few`; never for a realtime command
 
   void set_atoms(std::vector<Atom> atoms) {
     if (atoms.size() > kFewAtoms) {
@@ -61,7 +62,7 @@ public:
       cells_[i].turn.store(i, std::memory_order_relaxed);
   }
 
-  /// Moves the command in; false, and the command is untouched, when the queue is full.
+  /// Moves the command into the queue. False if the queue is full; the command is then unchanged.
   [[nodiscard]] bool push(QueuedCommand& command) noexcept {
     std::size_t position = end_.load(std::memory_order_relaxed);
     for (;;) {
@@ -74,7 +75,7 @@ public:
         position = end_.load(std::memory_order_relaxed);
       else if (end_.compare_exchange_weak(position, position + 1, std::memory_order_relaxed)) {
         cell.command = std::move(command);
-        cell.turn.store(position + 1); // in one order with the token
+        cell.turn.store(position + 1); // sequentially consistent with the token
         return true;
       }
     }
@@ -90,7 +91,7 @@ public:
     cells_[begin % kCapacity].turn.store(begin + kCapacity, std::memory_order_release);
     begin_.store(begin + 1);
   }
-  /// Whether nothing is ready to be taken; any thread may ask.
+  /// Whether no command is ready to be taken; callable from any thread.
   [[nodiscard]] bool empty() const noexcept {
     const std::size_t begin = begin_.load();
     return cells_[begin % kCapacity].turn.load() != begin + 1;

@@ -33,8 +33,8 @@ void relax() noexcept {
 /// Longer than any block, so that only an audio thread that stopped within a block loses commands.
 constexpr int kMaxTries = 100000;
 
-/// A message thread's hold on the object: it ends on every way out, or the object would be silent
-/// for good.
+/// A message thread's hold on the object's token. The destructor releases it, also after an
+/// exception: a token that is never released would silence the object for good.
 class MessageHold {
 public:
   MessageHold(Token& token, Outbox*& current, Outbox& outbox) : token_(token), current_(current) {
@@ -84,14 +84,15 @@ void Executor::post(QueuedCommand command) {
     carry_out_all();
 }
 
-/// The queue and the token are sequentially consistent: either the holder, who looks at the queue
-/// after releasing, sees a command pushed meanwhile, or its sender sees the token free.
+/// The queue and the token are sequentially consistent: either the holder, which checks the queue
+/// after releasing the token, sees a command pushed meanwhile, or the command's sender sees a free
+/// token.
 void Executor::carry_out_all() {
   while (!queue_.empty()) {
     if (audio_waits_.load() || !token_.take(Token::Holder::kMessage)) {
       if (token_.holder() == Token::Holder::kMessage)
         return;
-      std::this_thread::yield(); // a block is short
+      std::this_thread::yield(); // a block ends soon
       continue;
     }
     Outbox outbox;
@@ -110,7 +111,7 @@ void Executor::carry_out_all() {
   }
 }
 
-/// Message threads leave the token to the audio thread after the command at hand.
+/// Message threads release the token to the audio thread after the current command.
 bool Executor::take_for_block() noexcept {
   if (token_.take(Token::Holder::kAudio))
     return true;
@@ -129,7 +130,7 @@ bool Executor::run_block(const Block<double>& block) noexcept {
     return false;
   while (QueuedCommand* next = queue_.front()) {
     if (!next->realtime)
-      break; // and what comes after it: the order holds
+      break; // later commands wait, too, so that the order is preserved
     carry_out(*next);
     queue_.pop();
   }
@@ -159,7 +160,7 @@ void Executor::wait_for_token() {
     std::this_thread::yield();
 }
 
-/// By the audio thread, too. One that fails keeps back none of those behind it.
+/// Also called by the audio thread. A command that fails does not prevent those after it.
 void Executor::carry_out(const QueuedCommand& command) noexcept {
   tactus::guarded([&] { call(command); }, [this](const char* why) { host_.error(why); });
   const bool is_parameter = command.kind == QueuedCommand::Kind::kParameter;

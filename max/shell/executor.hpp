@@ -16,7 +16,7 @@ class Token {
 public:
   enum class Holder { kNobody, kMessage, kAudio };
 
-  /// One try; false while somebody holds it. What the last holder wrote is visible afterwards.
+  /// One attempt; false while the token is held. Writes of the last holder are visible afterwards.
   [[nodiscard]] bool take(Holder by) noexcept {
     Holder expected = Holder::kNobody;
     return holder_.compare_exchange_strong(expected, by);
@@ -25,39 +25,40 @@ public:
   [[nodiscard]] Holder holder() const noexcept { return holder_.load(); }
 
 private:
-  // In one order with the queue's own atomics: see Executor::carry_out_all().
+  // Sequentially consistent with the queue's atomics: see Executor::carry_out_all().
   std::atomic<Holder> holder_{Holder::kNobody};
 };
 
 /// Lets messages of several threads and the audio thread use one object, whose members must never
 /// overlap, without a lock in the audio thread.
 ///
-/// Every command goes into one queue, so that what a thread sends stays in its order. Commands that
-/// allocate nothing (parameters, messages declared realtime) are carried out by the audio thread at
-/// the start of its next block. All others by the message thread that gets the object's token: it
-/// empties the queue, those of other threads too, gives the token back and then sends what the
-/// object wanted to send. When a message thread has the token as a block begins, it gives it back
-/// after the command at hand; the audio thread tries for some 30 microseconds, a bounded number of
-/// times. A command that takes longer, such as one that loads, costs the block: the caller gets
-/// false and plays silence.
+/// Every command goes into one queue, so that the commands of a thread stay in order. The audio
+/// thread carries out commands that allocate nothing (parameters, messages declared realtime) at
+/// the start of its next block. The message thread that gets the object's token carries out all
+/// others: it empties the queue, including other threads' commands, releases the token and then
+/// sends the object's output. If a message thread has the token when a block begins, it releases it
+/// after the current command; the audio thread retries a bounded number of times, for about 30
+/// microseconds. A longer command, such as one that loads a file, costs the block: run_block()
+/// returns false and the caller outputs silence.
 class Executor {
 public:
-  /// What the shell does for the executor.
+  /// Functions that the shell provides.
   class Shell {
   public:
     virtual ~Shell() = default;
     [[nodiscard]] virtual bool audio_runs() const = 0;
     /// Commands wait for the audio thread, which may have stopped: call carry_out_all() then.
     virtual void expect_audio() = 0;
-    /// Sends what the object has sent to its outlets and the console.
+    /// Sends the object's output to its outlets and the console.
     virtual void deliver(const Outbox& outbox) = 0;
     /// A command was dropped as the queue stayed full.
     virtual void lost() noexcept = 0;
-    /// A command has changed parameters: take_change() says which. Any thread, audio's too.
+    /// A command has changed parameters; take_change() returns which. Called in any thread,
+    /// including audio's.
     virtual void changed() noexcept = 0;
   };
 
-  /// `number`: of the instance, by which its seeds differ from others'.
+  /// `number`: of the instance; it makes the seeds of instances differ.
   Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host,
            std::size_t number = 0);
 
@@ -73,7 +74,7 @@ public:
   [[nodiscard]] double value(std::size_t parameter) const noexcept {
     return view_.value(parameter);
   }
-  /// Whether a parameter has changed, by anything but its own setting, since this was asked last.
+  /// Whether a parameter has changed since the last call, other than by being set itself.
   [[nodiscard]] bool take_change(std::size_t parameter) noexcept {
     return view_.take_change(parameter);
   }
@@ -100,7 +101,7 @@ private:
   OutputRing audio_output_;
   std::atomic<unsigned> lost_outputs_{0};
   std::atomic<bool> audio_waits_{false}; ///< a block has begun, and a message thread has the token
-  // What follows belongs to the holder of the token.
+  // The members below belong to the holder of the token.
   Outbox* outbox_ = nullptr; // null: the audio thread holds it
   double sample_rate_ = 0;
   std::size_t max_block_ = 0;

@@ -28,7 +28,7 @@ std::string system_path(const char* of_max) {
   return conformed.data();
 }
 
-/// In Max's search path.
+/// Searches Max's search path.
 std::string locate(std::string_view name) {
   PathText found{}, full{};
   if (name.empty() || name.size() >= MAX_FILENAME_CHARS)
@@ -66,7 +66,7 @@ void Files::look_for_folder() {
 }
 
 std::string Files::find(std::string_view given) {
-  // A file that is dropped in Max on macOS comes with the name of its volume.
+  // On macOS the name of a file dropped in Max begins with the name of its volume.
   const std::string name =
       given.find(":/") == given.npos ? std::string(given) : system_path(std::string(given).c_str());
   const fs::path path = utf8_path(name);

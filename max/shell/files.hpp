@@ -29,10 +29,10 @@ private:
   void look_for_folder();
 
   t_object* box_;
-  std::string folder_; ///< where relative names are, as the main thread saw it last
+  std::string folder_; ///< base of relative names, last updated in the main thread
 };
 
-/// Whether this is the thread to which Max's functions for files belong.
+/// Whether this is Max's main thread, in which its file functions may be called.
 [[nodiscard]] bool in_main_thread() noexcept;
 
 } // namespace tactus::max

@@ -16,7 +16,7 @@
 namespace tactus::max {
 namespace {
 
-constexpr std::size_t kMaxAssistance = 256; // Max's buffer, with the zero
+constexpr std::size_t kMaxAssistance = 256; // size of Max's buffer, including the final zero
 
 /// The class of this module.
 struct {
@@ -34,7 +34,7 @@ const Message* file_message(const Declaration& declaration) {
 }
 
 void destroy(Instance* instance) {
-  // Only an object that was set up has a place in the signal chain.
+  // Only a constructed object is part of the signal chain.
   if (instance->self && processes())
     z_dsp_free(&instance->object);
   delete instance->self;
@@ -61,7 +61,7 @@ std::size_t inlet_of(Instance* instance) {
   return static_cast<std::size_t>(std::max(proxy_getinlet(&instance->object.z_ob), 0L));
 }
 
-// The inlet is asked for first: it is another as soon as an outlet is used.
+// The inlet is read first, since any output may change it.
 void on_float(Instance* instance, double value) {
   const std::size_t inlet = inlet_of(instance);
   guarded(instance, [&](MaxObject& object) { object.number(inlet, value); });
@@ -94,8 +94,8 @@ void on_assist(Instance* instance, void*, long direction, long index, char* text
   });
 }
 
-/// Whether a file may be dropped onto the box: Max then sends it to the first message that takes
-/// one. The file itself is looked at by the message, which says what is wrong with it.
+/// Whether a file may be dropped onto the box. Max then sends it to the first message that takes a
+/// file. The message itself checks the file and reports errors.
 t_atom_long on_drag(Instance* instance, t_object* drag, t_object*) {
   guarded(instance, [&](const MaxObject& object) {
     jdrag_object_add(drag, &instance->object.z_ob,
@@ -104,7 +104,7 @@ t_atom_long on_drag(Instance* instance, t_object* drag, t_object*) {
   return 1;
 }
 
-// Nine arguments: Max's type of a perform routine.
+// Nine arguments, as Max declares a perform routine.
 void on_perform(t_object* object, t_object*, double** in, long in_count, double** out,
                 long out_count, long frames, long, void*) {
   auto* instance = reinterpret_cast<Instance*>(object);
@@ -129,8 +129,8 @@ void add_messages(t_class* handle, const Declaration& declaration) {
   class_addmethod(handle, method_of(&on_list), "list", A_GIMME, 0);
   class_addmethod(handle, method_of(&on_bang), "bang", 0);
   class_addmethod(handle, method_of(&on_symbol), "symbol", A_SYM, 0);
-  // Max's preset object calls a method of the name preset with the object alone: the message of
-  // that name comes by "anything".
+  // Max's preset object calls a method named preset with the object as its only argument, so a
+  // message of that name is handled by "anything".
   for (const Message& message : declaration.messages)
     if (message.name != "list" && message.name != "bang" && message.name != "preset")
       add(message.name);
@@ -146,7 +146,7 @@ t_max_err set_parameter(Instance* instance, std::size_t index, long count, const
   guarded(instance, [&](MaxObject& object) {
     object.message(object.declaration().parameters[index].name, to_atoms(count, atoms));
   });
-  return 0; // a refused value has had its error, and the old one stays
+  return 0; // a refused value was reported; the old value remains
 }
 
 t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_atom** atoms) {
@@ -165,8 +165,8 @@ std::vector<std::size_t> stored_parameters(const Declaration& declaration) {
   return stored;
 }
 
-// The value of the whole box, which pattr, autopattr and pattrstorage keep: that of each parameter
-// that a host may keep.
+// The value of the whole box for pattr, autopattr and pattrstorage: the values of all parameters
+// that a host may store.
 t_max_err get_value(Instance* instance, long* count, t_atom** atoms) {
   guarded(instance, [&](const MaxObject& object) {
     const std::vector<std::size_t> stored = stored_parameters(object.declaration());
@@ -194,8 +194,8 @@ t_max_err set_value(Instance* instance, long count, t_atom* atoms) {
   return 0;
 }
 
-// Max tells a setter the attribute as an object of its own, whose name only a variadic function
-// would tell: so each parameter has functions of its own.
+// Max passes the attribute to a setter as an object whose name only a variadic function can read,
+// so each parameter gets its own functions.
 template <std::size_t index> t_max_err set(Instance* instance, void*, long count, t_atom* atoms) {
   return set_parameter(instance, index, count, atoms);
 }
@@ -214,7 +214,7 @@ constexpr auto kAccessors = accessors(std::make_index_sequence<kMaxParameters>{}
 
 std::string in_quotes(std::string_view text) { return '"' + std::string(text) + '"'; }
 
-/// What an enumeration shows; empty for an ordinary number.
+/// The labels of an enumeration; empty for an ordinary number.
 std::string menu(const Parameter& parameter) {
   std::string words;
   for (const std::string_view choice : parameter.choices)
@@ -225,8 +225,8 @@ std::string menu(const Parameter& parameter) {
 }
 
 /// Adds an attribute for each parameter: @name in the box, the inspector, `name value`, `getname`,
-/// presets and pattr. Its value lives in the object, which setters and getters ask. The value of
-/// the box itself is the list of all of them.
+/// presets and pattr. The object stores the value; setters and getters access it. The value of the
+/// whole box is the list of all parameters.
 void add_attributes(t_class* handle, const Declaration& declaration) {
   if (declaration.parameters.size() > kMaxParameters)
     throw std::length_error("more parameters than kMaxParameters");

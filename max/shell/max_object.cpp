@@ -63,7 +63,7 @@ MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module,
       output_clock_(clock_new(this, method_of(&on<&MaxObject::deliver_audio_output>))),
       nudge_clock_(clock_new(this, method_of(&on<&MaxObject::nudge>))),
       left_element_(qelem_new(this, method_of(&on<&MaxObject::carry_out_left>))),
-      changed_element_(qelem_new(this, method_of(&on<&MaxObject::tell_changes>))),
+      changed_element_(qelem_new(this, method_of(&on<&MaxObject::notify_changes>))),
       hold_(numbers, nullptr) {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     timers_[i] = {this, i, nullptr};
@@ -117,8 +117,8 @@ bool MaxObject::begin(std::span<const Atom> arguments) {
   }
   post(QueuedCommand::Kind::kCreated);
   for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
-    (void)executor_->take_change(i); // nobody has seen the box before
-  tells_changes_.store(true);
+    (void)executor_->take_change(i); // the box is new: there is nothing to notify
+  notifies_changes_.store(true);
   return true;
 }
 
@@ -138,8 +138,8 @@ void MaxObject::number(std::size_t inlet, double value) {
   executor_->post(std::move(command));
 }
 
-/// To the left inlet: a number for each inlet, the right ones first, unless the object declares
-/// lists itself.
+/// A list at the left inlet: one number for each inlet, the right ones first, unless the object
+/// declares lists itself.
 void MaxObject::list(std::size_t inlet, std::span<const Atom> atoms) {
   if (inlet == 0 && find_message(declaration_, "list"))
     return message("list", {atoms.begin(), atoms.end()});
@@ -161,7 +161,7 @@ void MaxObject::list(std::size_t inlet, std::span<const Atom> atoms) {
       number(inlet + i, atoms[i].number);
 }
 
-/// Whether a number to the left inlet means something.
+/// Whether the left inlet accepts numbers.
 bool MaxObject::takes_numbers() const noexcept {
   return traits_.takes_numbers ||
          std::any_of(declaration_.inlets.begin(), declaration_.inlets.end(),
@@ -187,7 +187,8 @@ void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
     command.value = request.value;
   } else {
     const Message& declared = declaration_.messages[request.index];
-    if (names_file(declared, arguments) && !in_main_thread()) // files and buffers belong there
+    if (names_file(declared, arguments) &&
+        !in_main_thread()) // Max's file and buffer functions need it
       return leave_to_main_thread(name, std::move(arguments));
     command.kind = QueuedCommand::Kind::kMessage;
     command.realtime = declared.realtime;
@@ -278,12 +279,12 @@ void MaxObject::lost() noexcept {
 }
 
 void MaxObject::changed() noexcept {
-  if (tells_changes_.load(std::memory_order_relaxed))
+  if (notifies_changes_.load(std::memory_order_relaxed))
     qelem_set(changed_element_);
 }
 
-/// Whoever shows an attribute reads it again, and pattr learns that the box has another value.
-void MaxObject::tell_changes() {
+/// Views of attributes read them again, and pattr is notified that the box's value has changed.
+void MaxObject::notify_changes() {
   for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
     if (executor_->take_change(i))
       object_attr_touch(box(), symbol_of(declaration_.parameters[i].name));
@@ -302,8 +303,8 @@ void MaxObject::expect_audio() {
   clock_fdelay(nudge_clock_, nudge_ms_.load());
 }
 
-/// Commands may have come since the nudge was set: only when no block was computed in that time has
-/// audio stopped.
+/// Commands may have arrived after the nudge was set. Audio has stopped only if no block was
+/// computed since.
 void MaxObject::nudge() {
   nudge_set_.store(false);
   if (!executor_->waiting())
@@ -317,7 +318,7 @@ void MaxObject::deliver_audio_output() {
   while (executor_->audio_output().deliver_one([this](const Output& output) { deliver(output); }))
     continue;
   const unsigned lost = executor_->lost_outputs();
-  if (lost != 0 && std::exchange(lost_outputs_said_, lost) == 0)
+  if (lost != 0 && std::exchange(lost_outputs_reported_, lost) == 0)
     say_error("audio sends more than Max takes: some of it was lost");
 }
 

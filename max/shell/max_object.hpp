@@ -29,7 +29,7 @@ namespace tactus::max {
 
 class MaxObject;
 
-/// What Max itself allocates. It has no constructors: everything of C++ is in self.
+/// The memory that Max allocates. No constructor runs for it: all C++ members are in self.
 struct Instance {
   t_pxobject object; // first; of control objects only its first part is used
   MaxObject* self;   // null while a constructor has failed
@@ -95,7 +95,7 @@ private:
   void post(QueuedCommand::Kind kind, std::size_t index = 0);
   void posted() { post(QueuedCommand::Kind::kPosted); }
   void carry_out_left();
-  void tell_changes();
+  void notify_changes();
   void nudge();
   void deliver_audio_output();
   void leave_to_main_thread(std::string_view name, std::vector<Atom> arguments);
@@ -117,18 +117,18 @@ private:
   mutable Files files_;
   std::vector<Timer> timers_;
   void* output_clock_; ///< set by the audio thread when it has written outputs
-  void* nudge_clock_;  ///< looks whether audio has stopped and left commands undone
+  void* nudge_clock_;  ///< checks whether audio has stopped with commands pending
   void* posted_element_ = nullptr;
   void* left_element_;    ///< set when messages have been left to the main thread
   void* changed_element_; ///< set when parameters have changed
   std::mutex left_mutex_;
   std::vector<Command> left_;
-  std::atomic<bool> prepared_{false}, nudge_set_{false}, tells_changes_{false};
+  std::atomic<bool> prepared_{false}, nudge_set_{false}, notifies_changes_{false};
   std::atomic<unsigned> blocks_{0}, blocks_at_nudge_{0}, lost_{0};
   std::atomic<double> nudge_ms_{50}, sample_rate_{48000};
-  unsigned lost_outputs_said_ = 0;
+  unsigned lost_outputs_reported_ = 0;
   PublishedObjects published_;
-  // Of the audio thread alone.
+  // Used by the audio thread only.
   BlockClock block_clock_;
   double block_start_ms_ = 0;
   std::vector<double*> out_;
@@ -136,7 +136,7 @@ private:
   std::unique_ptr<Executor> executor_;
 };
 
-/// Calls function(object) for an instance; no exception goes on into Max.
+/// Calls function(object) for an instance; catches every exception, so that none reaches Max.
 template <class Function> void guarded(Instance* instance, Function&& function) noexcept {
   if (instance->self)
     tactus::guarded([&] { function(*instance->self); },

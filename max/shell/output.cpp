@@ -7,7 +7,7 @@
 namespace tactus::max {
 namespace {
 
-constexpr std::size_t kWord = 8; // everything begins at a multiple of it
+constexpr std::size_t kWord = 8; // alignment of all records, bytes
 
 struct Header {
   std::uint32_t kind, outlet;

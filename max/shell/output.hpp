@@ -16,18 +16,18 @@ struct Output {
   enum class Kind : std::uint32_t { kOutlet, kError, kLog };
   Kind kind;
   std::uint32_t outlet;
-  std::vector<Atom> atoms; ///< words are valid while the bytes are that they were read from
+  std::vector<Atom> atoms; ///< words are views into the stored bytes
 };
 
-/// Bytes that an output takes when stored, a multiple of 8.
+/// Size of a stored output, bytes, a multiple of 8.
 [[nodiscard]] std::size_t stored_size(std::span<const Atom> atoms) noexcept;
 /// Stores an output in that many bytes; allocates nothing.
 void store(std::byte* bytes, Output::Kind kind, std::size_t outlet,
            std::span<const Atom> atoms) noexcept;
-/// Reads one back into output; returns the bytes that it took.
+/// Reads one output back; returns its size in bytes.
 std::size_t load(const std::byte* bytes, Output& output);
 
-/// Outputs of a message thread: as many as come.
+/// Outputs of a message thread, without a limit.
 class Outbox {
 public:
   void add(Output::Kind kind, std::size_t outlet, std::span<const Atom> atoms);
@@ -53,7 +53,7 @@ public:
   [[nodiscard]] bool empty() const noexcept {
     return read_.load(std::memory_order_relaxed) == written_.load(std::memory_order_acquire);
   }
-  /// Gives the oldest output to receive; false when there is none.
+  /// Passes the oldest output to `receive`; false if there is none.
   template <class Receive> bool deliver_one(Receive&& receive) {
     const std::size_t read = skip_to_record();
     if (read == written_.load(std::memory_order_acquire))

@@ -6,14 +6,14 @@
 #include <cstddef>
 #include <vector>
 
-/// The parameters' values for whoever asks, in any thread, without the object's token.
+/// A copy of the parameters' values that any thread can read without the object's token.
 namespace tactus::max {
 
 class ParameterView {
 public:
   explicit ParameterView(std::size_t count) : slots_(count) {}
 
-  /// What the object will have: the value that was asked for last, until it is applied.
+  /// The value that the object will have: the last one requested, until it is applied.
   [[nodiscard]] double value(std::size_t i) const noexcept {
     const Slot& slot = slots_[i];
     return slot.pending.load(std::memory_order_acquire) > 0
@@ -26,9 +26,9 @@ public:
   }
   void answer(std::size_t i) noexcept { slots_[i].pending.fetch_sub(1, std::memory_order_release); }
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// Reads all values of the object, and notes which have changed: all but the one that was set, of
-  /// which its setter knows, unless it has become another than was asked for. True if any has
-  /// changed. For the holder of the object's token.
+  /// Reads all values of the object and marks those that have changed. The one that was set is
+  /// marked only if it differs from the requested value, since its setter already has that. True if
+  /// any is marked. For the holder of the object's token.
   bool refresh(const AnyObject<double>& object, std::size_t set = kNone) noexcept {
     bool any = false;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
@@ -43,7 +43,7 @@ public:
     }
     return any;
   }
-  /// Whether the value has changed since this was asked last.
+  /// Whether the value has changed since the last call.
   [[nodiscard]] bool take_change(std::size_t i) noexcept {
     return slots_[i].changed.exchange(false, std::memory_order_acquire);
   }

@@ -8,12 +8,12 @@
 namespace tactus {
 namespace {
 
-/// What the symbol points to is of this layout: its name says which.
+/// The symbol's name contains the layout of the struct that it points to.
 t_symbol* published_symbol(std::string_view name) {
   return max::symbol_of("tactus published 1 " + std::string(name));
 }
 
-/// Max's region that all modules share.
+/// Max's critical region, shared by all modules.
 class Critical {
 public:
   Critical() { critical_enter(nullptr); }
@@ -48,7 +48,7 @@ PublishedObject::~PublishedObject() {
     const Critical all_modules;
     entry_->symbol->s_thing = nullptr;
   }
-  delete entry_; // and perhaps what it shared, outside of the region
+  delete entry_; // may also destroy the shared object: outside of the critical region
 }
 
 std::shared_ptr<void> find_published(std::string_view name) {

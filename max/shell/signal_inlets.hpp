@@ -25,7 +25,7 @@ public:
     samples_.resize(inlets_.size());
   }
 
-  /// Any thread. False when there is no signal inlet at this place.
+  /// Any thread. False if port is no signal inlet.
   bool set(std::size_t port, double number) noexcept {
     for (auto& inlet : inlets_)
       if (inlet->port == port)
@@ -38,7 +38,7 @@ public:
       inlet->connected.store(inlet->port < counts.size() && counts[inlet->port] != 0,
                              std::memory_order_relaxed);
   }
-  /// Audio thread: of at most kMaxFrames samples from this one on, a pointer for each inlet.
+  /// Audio thread: a pointer for each inlet to at most kMaxFrames samples.
   [[nodiscard]] std::span<const double* const> samples(std::span<double* const> from_max,
                                                        std::size_t first) noexcept {
     for (std::size_t k = 0; k < inlets_.size(); ++k) {

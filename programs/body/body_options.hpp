@@ -20,22 +20,22 @@ struct BodyOptions {
   double unit = 1e-3;
   bool unit_given = false;
   MeshChoice choice;
-  std::string default_material = "aluminium";                 ///< where --material names none
+  std::string default_material = "aluminium";                 ///< for regions without --material
   std::vector<std::pair<std::string, std::string>> materials; ///< region (or "") and name
   std::map<std::string, double> changes;                      ///< young, poisson, density, loss
   std::vector<double> axes;
   bool several_parts = false, quiet = false, straight = false, remesh = false;
   std::string part; ///< the one to take of a file's separate parts
   int threads = 1;
-  double time_limit_s = 1200;          ///< without progress, for reading and meshing a file
-  double memory_bytes = 0;             ///< 0: half of what is free
-  double fillet = 0;                   ///< m
-  double shrink_wrap = 0;              ///< m; below 0: the gap is chosen; 0: no wrap
+  double time_limit_s = 1200; ///< longest time without progress while a file is read and meshed
+  double memory_bytes = 0;    ///< 0: half of what is free
+  double fillet = 0;          ///< m
+  double shrink_wrap = 0;     ///< m; below 0: the gap is chosen; 0: no wrap
   std::string output, vtu, sheet, inp; ///< paths of the table, of VTU, picture and CalculiX files
 
   /// The body's name without folder and ending.
   [[nodiscard]] std::string name() const;
-  /// Metres a unit of the body's lengths; 0 where its file says it.
+  /// Metres per unit of the body's lengths; 0 if the file contains its unit.
   [[nodiscard]] double unit_of_body() const;
 };
 
@@ -65,7 +65,7 @@ public:
   double length(double low, double high) { return options_.unit * number(low, high); }
   [[nodiscard]] double unit() const { return options_.unit; } ///< m
   /// Reads an option of the body, its material, its mesh or its files, or a dimension of the shape;
-  /// refuses what is none.
+  /// refuses any other option.
   void take();
 
 private:
@@ -89,16 +89,16 @@ private:
 [[nodiscard]] std::vector<Material> materials_of(const BodyOptions&, const Mesh&);
 /// "steel, brass".
 [[nodiscard]] std::string names_of_materials(std::span<const Material>);
-/// Warns of --young and --density that are far from the material that they change.
+/// Warns if --young or --density differs much from the material that it changes.
 void warn_of_unusual_constants(const BodyOptions&, ProgressLine&);
-/// What --unit may say.
+/// The values of --unit.
 struct LengthUnit {
   std::string_view name;
   double metres;
 };
 inline constexpr std::array<LengthUnit, 5> kUnits{
     {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 25.4e-3}, {"m", 1}}};
-/// Empty where there is none.
+/// The unit's name; empty if it has none.
 [[nodiscard]] std::string name_of_unit(double metres);
 /// "12.5 mm".
 [[nodiscard]] std::string format_length(double metres);
@@ -108,14 +108,14 @@ void warn_of_unusual_length(const BodyOptions&, double largest_m,
 /// The material of the first region.
 [[nodiscard]] Material first_material(const BodyOptions&);
 
-/// How the body's file is read, with progress on the line.
+/// The settings for reading the body's file, with progress on `progress`.
 [[nodiscard]] LoadChoice load_choice(const BodyOptions&, ProgressLine&);
 
 /// Refuses a file that cannot be read; pipes and devices before they are opened, which might never
 /// return.
 void check_readable(const std::string& path);
 
-/// Says sizes, and warns of linear elements, which make `what`.
+/// Reports the mesh's size, and warns of linear elements, naming their effect on `what`.
 void describe(const Mesh&, ProgressLine&, const std::string& what);
 
 } // namespace tactus::fem

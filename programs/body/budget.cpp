@@ -20,7 +20,7 @@ double number_in(const std::string& path, double otherwise) {
   return file >> value ? value : otherwise;
 }
 
-/// What the control groups above this process leave of their limits.
+/// The smallest free memory under the limits of this process's control groups.
 double control_group_free_bytes() {
   double free_bytes = kUnlimited;
   std::ifstream groups("/proc/self/cgroup");
@@ -161,7 +161,8 @@ void Budget::check_budget(const std::string& body, const Workload& work,
       (fits(with_element_size(middle)) ? high : low) = middle;
     }
     double h = two_digits_up(high / unit);
-    while (!fits(with_element_size(h * unit)) && h * unit < largest) // counts are whole numbers
+    while (!fits(with_element_size(h * unit)) &&
+           h * unit < largest) // whole numbers of elements may make a size fail
       h = two_digits_up(1.05 * h);
     suggest(format("--h %.2g", h));
   }

@@ -6,17 +6,17 @@
 
 namespace tactus::fem {
 
-/// Memory that is free to this process: what the machine has left, or less where a control group
-/// (of version 1 or 2) sets a limit. Bytes; 0 where unknown.
+/// Memory available to this process: the machine's free memory, or less if a control group (version
+/// 1 or 2) sets a limit. Bytes; 0 if unknown.
 [[nodiscard]] double free_memory();
 
-/// 4G, 800M, 1.5GiB, 64k: bytes, powers of 1000 but for "i". Refuses what it cannot read.
+/// 4G, 800M, 1.5GiB, 64k: bytes; powers of 1000, with "i" of 1024. Refuses other texts.
 [[nodiscard]] double read_memory(const std::string& option, const std::string& word);
 
-/// How much memory the whole program may take, and the work it is compared with.
+/// The memory that the whole program may use, compared with the predicted need of its work.
 class Budget {
 public:
-  /// 0 bytes: half of what is free.
+  /// 0 bytes: half of the available memory.
   explicit Budget(double bytes);
   [[nodiscard]] double bytes() const noexcept { return bytes_; }
 
@@ -25,9 +25,9 @@ public:
   /// The work for fewer modes, where the mesh is sized by them.
   using WithModes = std::function<Workload(double modes)>;
 
-  /// Refuses work beyond the budget in one sentence: what it would take, what is allowed, and the
-  /// element size, number of modes or of acoustic triangles that fits. `unit` in metres is what the
-  /// user's --h counts in. A prediction that is not `exact` is forgiven kCostMargin.
+  /// Refuses work beyond the budget in one sentence: the predicted need, the limit, and the element
+  /// size, number of modes or of acoustic triangles that fits. `unit`: metres per unit of the
+  /// user's --h. A prediction that is not `exact` may exceed the budget by kCostMargin.
   void check_budget(const std::string& body, const Workload&, const WithElementSize&,
                     const WithModes&, double unit,
                     const std::optional<FactorCost>& exact = {}) const;

@@ -49,7 +49,7 @@ std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box
     return p[k] < box.low[k] - near ? -1 : p[k] > box.high[k] + near ? 1 : 0;
   };
   for (const Element& e : mesh.elements) {
-    // An element with a node inside joins what lies beyond a face to what moves.
+    // An element with a node inside connects the part beyond a face to the moving part.
     bool inside = false;
     for (const int n : mesh.nodes_of(e)) {
       const Vec3& p = mesh.nodes[static_cast<std::size_t>(n)];
@@ -73,7 +73,8 @@ std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
     double& max_weight = influence[static_cast<std::size_t>(space.weights.control[i])];
     max_weight = std::max(max_weight, std::abs(space.weights.weight[i]));
   }
-  constexpr double kMinInfluence = 1e-3; // of a node's motion in the control point's
+  constexpr double kMinInfluence =
+      1e-3; // smallest motion of a node relative to the control point's
   const auto passed = faces_passed(mesh, lattice.box);
   std::vector<int> found;
   for (int k = 0; k < lattice.points[2]; ++k)
@@ -102,7 +103,7 @@ std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
   return chosen;
 }
 
-/// The largest displacement up to `wanted` (either sign) that one parameter may take alone.
+/// The largest displacement up to `requested` (of either sign) that one parameter may have alone.
 double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double requested) {
   std::vector<Vec3> target =
       moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&requested, 1));

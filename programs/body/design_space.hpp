@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// The control lattice whose points shape the body, as the command line gives it.
+/// The lattice of control points that changes the body's shape, from the command line.
 struct DesignOptions {
   bool requested = false; ///< an option of the lattice was given
   std::optional<Box> box; ///< m; none: the body's
@@ -26,16 +26,16 @@ struct DesignOptions {
 [[nodiscard]] std::array<bool, 3> read_directions(const std::string& option,
                                                   const std::string& word);
 
-/// How the body may change its shape.
+/// The possible changes of the body's shape.
 struct DesignSpace {
   Lattice lattice;
   ControlWeights weights;
-  std::vector<int> controls; ///< that may move
+  std::vector<int> controls; ///< movable control points
   std::vector<ParameterRange> parameters;
   std::vector<DesignVelocity> velocities; ///< of the parameters
   double trust = 0;                       ///< m
 
-  /// Refuses parameters beyond their bounds, or that are no numbers, by control point.
+  /// Refuses parameters beyond their bounds or not finite, naming the control point.
   void check_within_bounds(std::span<const double> values) const;
 };
 

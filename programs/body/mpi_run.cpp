@@ -53,7 +53,7 @@ void remove_on_interrupt() {
   ::rmdir(g_folder.data());
 }
 
-/// Starts mpirun in a process group of its own; its standard output comes back.
+/// Starts mpirun in its own process group; its standard output can be read.
 pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
             const std::string& errors, int& output) {
   std::array<int, 2> pipe{};
@@ -76,8 +76,8 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
     ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
     ::setenv("OMP_NUM_THREADS", "1", 0);
     ::setenv("OMPI_MCA_mpi_yield_when_idle", "1",
-             0);            // waiting processes leave their core to others
-    if (::geteuid() == 0) { // Open MPI refuses root unless told twice
+             0);            // waiting processes yield their core
+    if (::geteuid() == 0) { // Open MPI requires two variables to run as root
       ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
       ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     }

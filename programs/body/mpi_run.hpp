@@ -8,7 +8,7 @@
 
 namespace tactus::fem {
 
-/// A solver program that lies beside the running one and is started by mpirun.
+/// A solver program in the folder of the running program, started by mpirun.
 struct MpiEngine {
   const char* option;   ///< how the user chose it, "--engine slepc"
   const char* program;  ///< its file, "slepc_solve"
@@ -30,7 +30,7 @@ void check_engine(const MpiEngine&);
 /// (OMPI_MCA_...) choose the machines; $TMPDIR must then lie on a disk they share. One at a time.
 class MpiRun {
 public:
-  /// `files` names all files that may come to lie in the folder.
+  /// `files`: all files that may be created in the folder.
   MpiRun(const MpiEngine&, std::span<const char* const> files);
   ~MpiRun();
   MpiRun(const MpiRun&) = delete;

@@ -91,7 +91,7 @@ void check_disk_space(std::span<const Output> all) {
   for (const Output& out : all) {
     struct statvfs disk {};
     if (out.path.empty() || ::statvfs(folder_of(out.path).c_str(), &disk) != 0)
-      continue; // the write itself will tell
+      continue; // an error will appear when it is written
     const double free_bytes =
         static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (out.bytes > free_bytes)

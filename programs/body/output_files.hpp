@@ -7,7 +7,7 @@ namespace tactus::fem {
 struct Output {
   const char* option;
   std::string path; ///< empty: none
-  double bytes = 0; ///< about what it takes
+  double bytes = 0; ///< approximate size
 };
 
 /// Refuses, before any work, output files that could not be written: a missing or closed folder, a
@@ -18,11 +18,11 @@ void check_outputs(std::span<const Output>, const BodyOptions&);
 /// The same for one file.
 void check_output(const std::string& option, const std::string& path);
 
-/// Refuses outputs that the disk has no room for.
+/// Refuses outputs for which the disk has no space.
 void check_disk_space(std::span<const Output>);
 
-/// Refuses at once what draw_sheet() would miss at the end: Debian's Python with matplotlib and the
-/// script, which lies beside this program.
+/// Refuses at the start if draw_sheet() would fail at the end: it needs Debian's Python with
+/// matplotlib, and the script beside this program.
 void check_sheet(const std::string& script);
 
 /// Draws a picture of a table with the Python script beside this program; `more` words follow the

@@ -10,7 +10,7 @@
 namespace tactus::petsc {
 
 inline const char* g_program = ""; ///< named in sentences
-inline std::string g_petsc_error;  ///< what PETSc first complained of
+inline std::string g_petsc_error;  ///< PETSc's first error
 
 /// "stage SHARE NAME", share 0..1 of the stage that is done.
 inline void report_progress(double share, const char* stage) {

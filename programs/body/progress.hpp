@@ -7,11 +7,11 @@
 
 namespace tactus::fem {
 
-/// Reports the progress of a program on stderr: a line for each stage with the share done and the
-/// time left. The time left follows from the rate so far or, for a stage that cannot tell its
-/// share, from the predicted time. A terminal's line is rewritten twice a second; a log gets a line
-/// when a stage begins and ends and one every 5 s in between. Any thread may call stage(); a thread
-/// of this object prints the time during a stage that does not call.
+/// Reports the progress of a program on stderr: a line for each stage with the completed fraction
+/// and the time left. The time left is computed from the rate so far or, for a stage of unknown
+/// progress, from the predicted time. On a terminal the line is rewritten twice a second; a log
+/// gets a line when a stage begins and ends and one every 5 s in between. Any thread may call
+/// stage(); a thread of this object prints the time while a stage makes no calls.
 class ProgressLine {
 public:
   /// Quiet: only sentences that begin with "warning: " are printed.

@@ -7,23 +7,24 @@
 #include <string>
 #include <vector>
 
-/// What `part_stress serve` and `modal_fem serve` share: the table that says how its part was made,
-/// and messages on stdin and stdout (core/serve/protocol.hpp).
+/// Code shared by `part_stress serve` and `modal_fem serve`: reading the table that contains a
+/// part's command line, and messages on stdin and stdout (core/serve/protocol.hpp).
 namespace tactus::fem {
 
-/// A part as its table keeps it.
+/// A part as stored in its table.
 struct ServedPart {
   std::string bytes; ///< of the whole file
   Mesh mesh;
-  std::vector<std::string> command; ///< the words with which the program made it
+  std::vector<std::string> command; ///< the command line that made it
 };
 
-/// Reads the arrays `mesh` and `command` (in meta) of a table whose meta names `format`. Refuses,
-/// naming the file, one that does not hold them; `program` is what should have written it.
+/// Reads the arrays `mesh` and `command` (in meta) of a table whose meta has the format `format`.
+/// Refuses a table without them, naming the file; `program`: the program that should have written
+/// it.
 [[nodiscard]] ServedPart read_served_part(const std::string& path, const std::string& format,
                                           const std::string& program);
 
-/// The order that a table's command is; `read` refuses by exception, and the file is named.
+/// Parses a table's command with `read`; its exceptions are rethrown with the file's name.
 template <class Read>
 [[nodiscard]] auto read_served_options(const std::string& path,
                                        const std::vector<std::string>& command, Read&& read) {

@@ -1,8 +1,8 @@
-// tactus_describe: prints what every object says of itself as one JSON array.
-// Each entry: name, title, description, keywords, related, pages, sound, inlets, outlets,
-// arguments, parameters, messages and traits, as in core/declaration.hpp. `tactus_describe
-// surface_keys` prints the keys of a surface's text (docs/formats/surface.md) instead: section,
-// name, unit, range, initial value, text.
+// tactus_describe: prints the declarations of all objects as one JSON array. Each entry: name,
+// title, description, keywords, related, pages, sound, inlets, outlets, arguments, parameters,
+// messages and traits, as in core/declaration.hpp. `tactus_describe surface_keys` prints the keys
+// of a surface's text (docs/formats/surface.md) instead: section, name, unit, range, initial value,
+// text.
 #include "programs/describe/describe.hpp"
 
 #include "core/footstep/recipe.hpp"
@@ -83,7 +83,7 @@ std::string object(const ObjectDescription& described) {
          field("multichannel", flag(described.traits.multichannel)) + "}";
 }
 
-/// The initial value is the one in a text that opens the section and leaves the key out.
+/// The initial value is that of a text in which the section has no such key.
 std::string surface_key(const footstep::RecipeKey& key) {
   const std::string section(key.section);
   footstep::Recipe recipe;

@@ -6,7 +6,7 @@
 
 namespace tactus {
 
-/// What an object declares, and which host features it uses.
+/// An object's declaration, and the host features that it uses.
 struct ObjectDescription {
   const Declaration* declaration;
   Traits traits;

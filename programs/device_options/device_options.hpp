@@ -18,7 +18,8 @@ struct DeviceOptions {
   std::vector<std::vector<std::string>> settings{}; ///< --set "WORD VALUE...", once each
 };
 
-/// Gives the device its settings, then its WHICH. Empty, or the device's first refusal.
+/// Applies the settings to the device, then its WHICH. Returns an empty text, or the device's first
+/// refusal.
 [[nodiscard]] std::string configure(haptic::Backend& device, const DeviceOptions& options);
 
 /// The options of a command line, or one sentence.
@@ -27,8 +28,8 @@ template <class Options> struct Parsed {
   std::string error;
 };
 
-/// What the usage text says of an option, on one line: "0..65535; 0 takes one that is free (7770)".
-/// Empty when it has no line that begins with two spaces and the option.
+/// The line of the usage text about an option: "0..65535; 0 takes one that is free (7770)". Empty
+/// if no line begins with two spaces and the option.
 [[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);
 
 /// An option without a value.

@@ -33,7 +33,7 @@ void listen_for_interrupts(const char* sentence) noexcept {
   }, last{};
   last.sa_handler = &leave;
   sigaction(SIGALRM, &last, nullptr);
-  action.sa_handler = [](int) { // no restart: a question ends, too
+  action.sa_handler = [](int) { // no SA_RESTART: an interrupt also ends a question
     if (!g_stop.exchange(true))
       alarm(kEnd_s);
   };

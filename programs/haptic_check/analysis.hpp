@@ -9,19 +9,19 @@
 #include <string>
 #include <vector>
 
-/// What a recording of the servo's ticks says about device and loop. Pure.
+/// Measures of device and loop from a recording of the servo's ticks. Pure functions.
 namespace tactus::haptic_check {
 
 struct Record {
   std::uint64_t index = 0; ///< of the tick on the servo's grid
-  double time_s = 0;       ///< when it really ran
+  double time_s = 0;       ///< actual time of the tick
   Vec3 position{};         ///< m
   Vec3 velocity{};         ///< m/s
   Vec3 force_n{};          ///< sent
   std::uint32_t buttons = 0, flags = 0;
 };
 
-/// Where the handle has been, and how the readings come.
+/// The range of the handle's motion, and properties of the readings.
 struct Motion {
   Vec3 lowest{}, highest{};
   double max_speed_m_per_s = 0;
@@ -31,11 +31,11 @@ struct Motion {
 };
 [[nodiscard]] Motion motion_of(std::span<const Record> records) noexcept;
 
-/// How the ticks followed each other.
+/// Intervals between ticks.
 struct Intervals {
   static constexpr std::array<double, 8> kEdges_s{20e-6,  50e-6, 100e-6, 200e-6,
                                                   500e-6, 1e-3,  2e-3,   1e9};
-  std::array<std::size_t, 8> counts{}; ///< by how far an interval was from the period
+  std::array<std::size_t, 8> counts{}; ///< histogram of deviations from the period
   double mean_s = 0, deviation_s = 0, max_s = 0;
   std::size_t number = 0;
 };
@@ -52,7 +52,8 @@ struct WallResult {
       0;                 ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
   std::size_t ticks = 0; ///< in contact
 };
-/// From the time on when the motors are fully on; a force within 2 % of limit_n is no measure.
+/// Uses the time after the motors have risen to full force; forces within 2 % of limit_n are
+/// excluded.
 [[nodiscard]] WallResult wall_result(std::span<const Record> records, const Wall& wall,
                                      double from_s, double limit_n, double period_s);
 

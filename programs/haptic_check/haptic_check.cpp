@@ -17,7 +17,7 @@ void print(const std::vector<std::string>& lines) {
     std::printf("%s\n", line.c_str());
 }
 
-/// The simulated device with somebody who holds it.
+/// The simulated device with a simulated hand.
 std::unique_ptr<haptic::SimulatedDevice> simulation() {
   auto device = std::make_unique<haptic::SimulatedDevice>();
   haptic::SimulatedDevice::Settings settings;
@@ -46,7 +46,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
            2;
   programs::DeviceOptions wanted = options.device;
   if (simulated)
-    wanted.which.clear(); // there is one of it
+    wanted.which.clear(); // there is only one
   if (const std::string refusal = programs::configure(*device, wanted); !refusal.empty())
     return std::fprintf(stderr, "haptic_check: %s\n", refusal.c_str()), 2;
 

@@ -8,7 +8,7 @@ namespace tactus::haptic_check {
 struct Options {
   bool list = false, yes = false, help = false;
   programs::DeviceOptions device{};
-  double seconds = 8; ///< a station
+  double seconds = 8; ///< duration of a station
   double rate_hz = 1000;
   std::optional<double> force_n; ///< limit of the force
   std::string report = "haptic_check.txt";

@@ -17,7 +17,7 @@ struct Choice {
 };
 [[nodiscard]] Choice first_ready();
 
-/// What the device tells of itself.
+/// The device's own description.
 struct DeviceDescription {
   haptic::Identity identity;
   haptic::Caps caps;

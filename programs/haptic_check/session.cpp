@@ -45,7 +45,8 @@ std::string Session::open() {
   auto opening = std::async(std::launch::async, [this] { return device_->open(); });
   for (int looks = 1; opening.wait_for(Milliseconds(50)) == std::future_status::timeout; ++looks) {
     if (interrupted())
-      device_->cancel(); // a call that does not return is ended by the interrupt's alarm
+      device_
+          ->cancel(); // if a call does not return, the alarm set by the interrupt ends the program
     if (looks % 10 != 0)
       continue;
     std::printf(".");
@@ -54,7 +55,7 @@ std::string Session::open() {
   return opening.get();
 }
 
-/// Shows the servo that somebody looks after it; without, its force ends within 150 ms.
+/// Sends the servo its heartbeat; without heartbeats its force ends within 150 ms.
 void Session::send_heartbeat() noexcept {
   haptic::Command command;
   command.heartbeat_s = devices::ServoThread::now_s();
@@ -71,7 +72,7 @@ void Session::fade_out() noexcept {
     if (servo_.exchange().motors.zero_force_confirmed())
       break;
   }
-  static_cast<void>(thread_.stop()); // waits: the servo is this session's
+  static_cast<void>(thread_.stop()); // waits, since this session owns the servo
 }
 
 void Session::drain(Recording& recording) {
@@ -122,7 +123,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   settings.chain.allowance_w = 0.05; // as [phantom]'s
   const haptic::Caps caps = device_->caps();
   settings.chain.workspace = {caps.workspace_min, caps.workspace_max};
-  drain(recording); // what an earlier station left
+  drain(recording); // discards records of an earlier station
   recording.records.clear();
   recording.hits = 0;
   haptic::Exchange& exchange = servo_.exchange();
@@ -134,7 +135,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   exchange.motors.disable();
   servo_.attach(*device_, &scene_, &sines_);
   if (plan.motors)
-    exchange.motors.enable(); // from none: they rise
+    exchange.motors.enable(); // the force rises from zero
   exchange.tracing = true;
   send_heartbeat();
   error = thread_.start(servo_, *device_, plan.period_s);

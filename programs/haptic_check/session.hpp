@@ -30,7 +30,7 @@ private:
   std::vector<Part> parts_;
 };
 
-/// What one station recorded.
+/// The recording of one station.
 struct Recording {
   std::vector<Record> records;
   std::size_t hits = 0;
@@ -38,8 +38,8 @@ struct Recording {
   haptic::ChainCounters counters{};
   double lowest_energy_j = 0;
   std::string scheduling;
-  std::string trouble;    ///< the last one that the device reported
-  bool latched = false;   ///< the motors stopped by themselves
+  std::string trouble;    ///< the device's last fault
+  bool latched = false;   ///< the motors stopped because of a fault
   std::uint64_t lost = 0; ///< ticks that were not recorded, because the ring was full
 };
 
@@ -51,7 +51,7 @@ public:
       : device_(std::move(device)), simulated_(simulated) {}
   ~Session();
 
-  /// In a thread of its own, with dots for the impatient. Empty, else what to do.
+  /// Opens the device in a separate thread, printing dots. Returns an empty text, or what to do.
   [[nodiscard]] std::string open();
   [[nodiscard]] haptic::Backend& device() noexcept { return *device_; }
   /// Null for a real device.
@@ -62,10 +62,10 @@ public:
     bool motors = false;
     haptic::Scene scene{};
     std::vector<Sines::Part> sines{};
-    std::function<std::string(const haptic::Report&)> line{}; ///< for the eyes, while it runs
+    std::function<std::string(const haptic::Report&)> line{}; ///< text to show while it runs
     std::function<bool(const haptic::Report&)> done{};        ///< ends it early
   };
-  /// Runs the servo for that time. error is empty unless the device's own thread did not start.
+  /// Runs the servo for that time. `error` is empty unless the device's own thread did not start.
   [[nodiscard]] Recording run(const Plan& plan, std::string& error);
 
 private:

@@ -54,7 +54,7 @@ void Stations::skip(const std::string& name, const std::string& reason) {
   findings_.push_back(finding);
 }
 
-/// Where the simulated hand goes; a real one goes where it likes.
+/// Moves the simulated hand; does nothing for a real device.
 void Stations::move_simulated_hand(const Vec3& from, const Vec3& to, double period_s) {
   if (haptic::SimulatedDevice* device = session_.simulated())
     device->set_path(haptic::LinePath{from, to, period_s});
@@ -285,7 +285,7 @@ std::string Stations::sines() {
   Finding finding;
   finding.name = "sine";
   for (const Sines::Part& part : plan.sines) {
-    // Without the beginning, which dies away, and the end, which fades out.
+    // Excludes the beginning with its transient and the end with its fade-out.
     const double from_s = part.from_s + Sines::kFade_s + 0.35 * length;
     const double to_s = part.to_s - Sines::kFade_s;
     const auto at = [&](double time_s) {

@@ -11,8 +11,8 @@ namespace tactus::haptic_check {
 /// The result of a station, for the report.
 struct Finding {
   std::string name;
-  std::vector<std::string> lines; ///< what was measured, or why it was left out
-  std::string answer;             ///< what the owner said
+  std::vector<std::string> lines; ///< the measurements, or why the station was skipped
+  std::string answer;             ///< the user's answer
   Intervals intervals{};
   haptic::ServoStatistics statistics{};
   std::string scheduling;
@@ -34,9 +34,9 @@ private:
   [[nodiscard]] std::string sphere();
   [[nodiscard]] std::string sines();
   [[nodiscard]] std::string finish(Finding finding, const Recording& recording, bool has_force);
-  /// What every station with force has in common: the force's rise, then the time asked for.
+  /// Common to every station with force: the force's rise, then the requested time.
   [[nodiscard]] Session::Plan with_motors() const;
-  /// Of the stiffness that this device bears.
+  /// A body with a stiffness that this device renders stably.
   [[nodiscard]] haptic::Body body(const haptic::Shape& shape, const haptic::Pose& pose);
   [[nodiscard]] Vec3 current_position(std::string& error);
   void move_simulated_hand(const Vec3& from, const Vec3& to, double period_s);

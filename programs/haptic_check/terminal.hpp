@@ -9,8 +9,8 @@ namespace tactus::haptic_check {
 /// After an interrupt everything fades out and stops.
 using programs::interrupted;
 
-/// Prints the question and waits for a line; the answer without blanks around it. Empty at once
-/// when nothing may be asked.
+/// Prints the question and waits for a line; returns the answer without surrounding blanks. Returns
+/// empty at once if may_ask is false.
 [[nodiscard]] std::string ask(const std::string& question, bool may_ask);
 
 /// Shows a line over the one before on a terminal, and a line a second elsewhere.

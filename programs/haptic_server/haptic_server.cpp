@@ -39,7 +39,7 @@ void listen_for_signals() noexcept {
       control->enable();
   };
   sigaction(SIGUSR2, &action, nullptr);
-  action.sa_handler = SIG_IGN; // a client that is gone
+  action.sa_handler = SIG_IGN; // a client may have closed its socket
   sigaction(SIGPIPE, &action, nullptr);
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kUsualForce_n = 8, kUnknownPeak_n = 3.3, kUnknownStiffness_n_per_m = 500,
                  kUnknownDamping = 5;
-constexpr double kShareOfStiffness = 0.6; // of what the device renders stably
+constexpr double kShareOfStiffness =
+    0.6; // fraction of the stiffness that the device renders stably
 constexpr double kFade_s = 0.3;
 
 double or_else(double value, double otherwise) { return value > 0 ? value : otherwise; }

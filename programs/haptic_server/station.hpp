@@ -14,8 +14,8 @@
 
 namespace tactus::haptic_server {
 
-/// A device, its servo in a thread, and the server in another. Neither thread waits for the other;
-/// that of the network has no priority, so that a flood cannot keep the servo from its ticks.
+/// A device with its servo in one thread, and the server in another. Neither thread waits for the
+/// other; the network's thread has normal priority, so a flood cannot delay the servo's ticks.
 class Station {
 public:
   ~Station();
@@ -25,7 +25,7 @@ public:
   /// Tells every client, ends the force, closes the device.
   void close();
 
-  /// One line: which device, with which force, where.
+  /// One line: the device, its force limit, and the address.
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
   [[nodiscard]] std::vector<std::string> take_notices();
   /// Clients were there and all have left.

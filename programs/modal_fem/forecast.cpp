@@ -58,7 +58,7 @@ Workload Forecast::workload(const MeshSize& mesh) const {
                 .retained_bytes = retained_bytes_};
   if (options_.radiation) {
     work.acoustic_triangles = static_cast<double>(options_.acoustic_triangles);
-    constexpr double kBandSolutions = 42; // of a body of 10 cm; some 65 at most
+    constexpr double kBandSolutions = 42; // for a body of 10 cm; at most about 65
     work.solutions = work.modes * static_cast<double>(options_.ratios.size()) + kBandSolutions;
   }
   return work;
@@ -96,7 +96,8 @@ void Forecast::warn_of_unusual_size(const Notify& notify) {
   if (!(speed > 0))
     speed = find_material(options_.default_material).bar_speed();
   const double first = estimated_frequency(size_.box, size_.volume, speed);
-  // An estimate is right within a factor of three; modes lie closer than they are numbered.
+  // The estimate is accurate within a factor of three. The last mode lies below its number times
+  // the first.
   const double last = 3 * first * static_cast<double>(options_.modes);
   const double largest = std::max({size_.box.x, size_.box.y, size_.box.z});
   const double lowest = first / 3 > kMaxAudible_hz ? first : std::min(first, kMaxAudible_hz);

@@ -13,13 +13,13 @@ public:
 
   Forecast(const ModalOptions&, ProgressLine&);
 
-  /// Before gmsh meshes or a shape is built. Refuses what is beyond the budget; says once when the
-  /// body's size makes its modes inaudible. `resized`: the mesh's size for another h, if it has
-  /// one; `fewer`: for fewer modes, if they size it. `say` in place of the progress line, for a
-  /// child process.
+  /// Call before gmsh meshes or a shape is built. Refuses a mesh beyond the budget; warns once if
+  /// the body's size makes its modes inaudible. `with_element_size`: the mesh's size for another h,
+  /// if it has one; `with_modes`: for fewer modes, if they size it. `notify` replaces the progress
+  /// line in a child process.
   void mesh(const MeshSize&, const std::function<MeshSize(double h)>& with_element_size,
             const std::function<MeshSize(double modes)>& with_modes, const Notify& notify = {});
-  /// Of a mesh that is there, before it is assembled.
+  /// For an existing mesh, before it is assembled.
   void made(const Mesh&, double seconds_spent = 0);
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
   void factor(const FactorCost&);
@@ -51,9 +51,9 @@ private:
   double flops_, meshing_s_ = 0, factor_s_ = 0, retained_bytes_ = 0;
 };
 
-/// One sentence when none of the modes can be heard, with the unit that would make the body sound;
-/// else empty. `largest` in m, frequencies in Hz; `unit` is what the lengths were taken in, m, or 0
-/// where the file says it.
+/// One sentence if none of the modes is audible, with the unit that would make them audible; else
+/// empty. `largest` in m, frequencies in Hz; `unit`: the unit assumed for the lengths, m, or 0 if
+/// the file contains it.
 [[nodiscard]] std::string inaudible_text(double lowest_hz, double highest_hz, double largest,
                                          double unit, bool estimated);
 

@@ -16,7 +16,7 @@ from matplotlib.collections import PolyCollection
 
 INK, PAPER, METAL = "#22303c", "#fbfaf7", "#b9c3cb"
 MAP = matplotlib.colormaps["RdBu_r"]
-ELEVATION, AZIMUTH = np.radians(32), np.radians(-58)  # where the eye is, far away
+ELEVATION, AZIMUTH = np.radians(32), np.radians(-58)  # direction of the viewer, at infinity
 EYE = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
 RIGHT = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0])
 UP = np.cross(EYE, RIGHT)
@@ -30,7 +30,7 @@ def face_normals(points, triangles):
 
 
 def outer(points, triangles):
-    """The triangles of shells that enclose matter; those around cavities enclose less than nothing."""
+    """The triangles of shells that enclose material; shells around cavities have negative volume."""
     shell = np.arange(len(points))
     while True:  # each triangle's corners take the least name among them, until all agree
         least = shell[triangles].min(axis=1)

@@ -19,15 +19,15 @@ struct FixedRegion {
   double stiffness = 0;
 };
 
-/// What the command line asks for.
+/// The options of the command line.
 struct ModalOptions : BodyOptions {
   std::vector<FixedRegion> fixed_regions;
   std::size_t modes = 40;
-  double tolerance = .002; ///< largest error of a frequency; 0: the first mesh stays
+  double tolerance = .002; ///< largest error of a frequency; 0: no refinement
   bool tolerance_given = false;
   bool slepc = false;    ///< solve with SLEPc on `ranks` processes
   int ranks = 0;         ///< 0: not given
-  bool residual = false; ///< also what the modes left out would yield
+  bool residual = false; ///< also the static compliance of the omitted modes
   bool radiation = false;
   std::size_t acoustic_triangles = 2000;
   DesignOptions design;          ///< control points that the frequencies follow
@@ -36,7 +36,7 @@ struct ModalOptions : BodyOptions {
   std::string csv, petsc, import_values, import_vectors; ///< paths
 };
 
-/// Refuses what it does not understand. Lengths are in `--unit`.
+/// Refuses unknown options and values. Lengths are in `--unit`.
 [[nodiscard]] ModalOptions read_options(const std::vector<std::string>& words);
 
 /// The help text.

@@ -7,7 +7,7 @@
 namespace tactus::fem {
 namespace {
 
-/// What each output takes. Text: 45 bytes a node, 7 a number of a shape's component or node.
+/// The sizes of the outputs. Text: 45 bytes per node, 7 per number of a shape's component or node.
 std::vector<Output> outputs(const ModalOptions& options, const MeshSize& mesh) {
   const double vertices = mesh.skin_triangles / 2;
   const double modes = std::min(static_cast<double>(options.modes), mesh.dofs());

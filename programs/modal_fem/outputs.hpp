@@ -7,7 +7,7 @@ namespace tactus::fem {
 /// Refuses, before any work, output files that could not be written.
 void check_outputs(const ModalOptions&);
 
-/// Refuses outputs that the disk has no room for; predicts their size from the mesh.
+/// Refuses outputs for which the disk has no space; predicts their size from the mesh.
 void check_disk_space(const ModalOptions&, const MeshSize&);
 
 } // namespace tactus::fem

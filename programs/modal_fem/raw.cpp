@@ -25,7 +25,8 @@ Vec3 area_of(const std::array<Vec3, 3>& c) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0];
   return 0.5 * Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// A plate's rim looks sideways; a ball's half looks to any side.
+/// Excludes the rim of a plate, which faces sideways; for other bodies takes the half that faces
+/// the side.
 bool faces_toward(const Vec3& area, const Vec3& side, bool flat) {
   return dot(area, side) > (flat ? .5 : 0) * norm(area);
 }
@@ -42,7 +43,7 @@ Grid every_triangle(const modal::Surface& surface, const Vec3& side, bool flat) 
   return grid;
 }
 
-/// Middles of a coarser skin's triangles, put back onto the body; the areas' sum is the body's.
+/// Centres of a coarser skin's triangles, projected onto the body; the areas' sum is the body's.
 Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, const Vec3& side,
                  bool flat, std::size_t points, const Grid& whole) {
   AcousticSkin skin;
@@ -74,7 +75,7 @@ Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, 
   return grid;
 }
 
-/// Middles of `points` rings along one radius; each has its whole ring's area.
+/// Centres of `points` rings along one radius; each has the area of its whole ring.
 Grid rings(const modal::Surface& surface, const RawSettings& settings, const Grid& whole) {
   Vec3 middle{};
   double all = 0, top = -1e300;

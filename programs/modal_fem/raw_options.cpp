@@ -110,7 +110,7 @@ RawOptions read_raw_options(const std::vector<std::string>& words) {
   return options;
 }
 
-/// The arrays of a table but for the raw_ ones, which are computed again.
+/// The arrays of a table except those whose names begin with raw_, which are recomputed.
 NpzWriter copy_without_raw(const std::string& input, std::span<const std::byte> bytes) {
   files::NpzFile archive;
   if (const std::string refusal = archive.open(bytes); !refusal.empty())
@@ -118,7 +118,7 @@ NpzWriter copy_without_raw(const std::string& input, std::span<const std::byte> 
   NpzWriter npz;
   for (const files::NpzArray& a : archive.arrays()) {
     if (a.name.starts_with("raw_"))
-      continue; // computed again
+      continue; // recomputed
     if (a.big_endian || a.fortran_order)
       throw InputError(input + ": array " + a.name +
                        " is big-endian or columns first; save it plainly");

@@ -12,14 +12,14 @@ namespace tactus::fem {
 namespace {
 
 constexpr int kMaxRounds = 7;
-/// Without an explicit --tolerance no mesh has more unknowns.
+/// Largest number of unknowns unless --tolerance is given.
 constexpr double kMaxUnknowns = 3e5;
-/// Of the number of elements in one round: the orders of the error are estimates.
+/// Largest growth of the number of elements per round, since the orders of the error are estimates.
 constexpr double kMaxGrowth = 12;
 /// Element size times the highest wave number. Quadratic elements then have errors of some percent,
 /// small enough for their fourth-power law to hold.
 constexpr double kFirstPhase = 1.0;
-/// Where nothing is refined the first mesh is the last.
+/// The same for a mesh that is not refined.
 constexpr double kOnlyPhase = .6;
 
 /// The area of a mesh's skin, m^2.
@@ -132,7 +132,7 @@ void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> constraine
   else
     next_grid_ = refined(
         grid_, interval_errors(mesh, constrained, estimate, grid_.first_interval(3)), target,
-        round_ > 0 ? 1 : 2); // once; later it would undo what the last round did
+        round_ > 0 ? 1 : 2); // coarsening by 2 only once: later it would undo the previous round
 }
 
 MeshSize Refinement::planned_size(const Mesh& mesh) const {
@@ -176,7 +176,7 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> constr
                      : "the mesh was given (--h, --layers); without them it is refined");
   if (round_ + 1 >= kMaxRounds)
     return leave("the mesh was refined " + std::to_string(round_) + " times");
-  // Where the last aim was missed the next is lower by as much.
+  // If the last target was missed, the next one is lower by the same factor.
   if (round_ > 0)
     target_scale_ = std::clamp(target_scale_ * last_target_ / worst, .5, 1.0);
   last_target_ = (worst > 2 * tolerance ? .8 : .9) * tolerance;

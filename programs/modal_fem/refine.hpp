@@ -15,19 +15,19 @@ namespace tactus::fem {
 ///   3. until each is below `--tolerance`, the next mesh takes the sizes that make them so with the
 ///      fewest unknowns: lines of the grid for shapes, a field of sizes for CAD and surface models
 ///
-/// A mesh that the user sizes (--h, --layers), --tolerance 0, volume meshes from files, modes from
-/// elsewhere (--engine slepc, --import-modes) and orders that do not solve keep their first mesh.
+/// Without refinement: meshes sized by the user (--h, --layers), --tolerance 0, volume meshes from
+/// files, modes computed elsewhere (--engine slepc, --import-modes) and commands that do not solve.
 class Refinement {
 public:
   Refinement(const ModalOptions&, ProgressLine&, Forecast&);
 
   /// The next mesh. Refuses one beyond the budget.
   [[nodiscard]] Mesh mesh();
-  /// Whether the mesh is the last: the tolerance is met, or cannot be within the budget. Says what
-  /// is left of it. Else the next mesh is ready to be made. `held`: of Matrices.
+  /// Whether the mesh is final: the tolerance is met, or cannot be met within the budget. Reports
+  /// the remaining error. Otherwise the next mesh is planned. `constrained`: of Matrices.
   [[nodiscard]] bool finished(const Mesh&, std::span<const std::uint8_t> constrained,
                               const ErrorEstimate&);
-  /// Says which errors stay, because the next mesh could not be made or solved.
+  /// Reports the remaining errors if the next mesh could not be made or solved.
   void give_up(const std::string& reason);
 
 private:
@@ -35,7 +35,7 @@ private:
   [[nodiscard]] Mesh mesh_of_file();
   [[nodiscard]] std::vector<ProfilePoint> profile() const;
   [[nodiscard]] MeshSize planned_size(const Mesh&) const;
-  /// Of elements for so many modes, from the body's volume, skin and extent.
+  /// Element size for that many modes, from the body's volume, skin area and extent.
   [[nodiscard]] double first_size(double volume, double skin, double largest, double modes) const;
   void plan(const Mesh&, std::span<const std::uint8_t> constrained, const ErrorEstimate&,
             double target);

@@ -33,8 +33,7 @@ std::string supports_text(std::span<const Support> supports) {
   return words.empty() ? "free" : words;
 }
 
-/// The errors of modes that were found elsewhere: their factor has to be made here again, where
-/// there is room for it.
+/// Errors of modes that were computed elsewhere: their factor is computed here, if memory allows.
 void estimate_in_process(const Solved& body, ErrorEstimate& error, ProgressLine& progress,
                          const Forecast& forecast) {
   progress.stage("ordering the equations", 0);
@@ -82,13 +81,13 @@ void find_modes_of(Solved& body, const ModalOptions& options, ErrorEstimate& err
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
 }
 
-/// Leaves out all modes but the first.
+/// Keeps only the first modes.
 void keep_first(Solved& body, std::size_t count) {
   keep_first(body.modes, count);
   body.relative_error.resize(std::min(count, body.relative_error.size()));
 }
 
-/// What can be refused without a mesh: names of files and materials.
+/// Checks that need no mesh: names of files and materials.
 void check_early(const ModalOptions& options) {
   for (const std::string& path : {options.is_file ? options.body : std::string(), options.profile,
                                   options.import_values, options.import_vectors})
@@ -98,7 +97,7 @@ void check_early(const ModalOptions& options) {
     (void)find_material(name);
   if (options.is_file)
     return;
-  const auto materials = materials_of(options, Mesh{}); // one region, as shapes have
+  const auto materials = materials_of(options, Mesh{}); // shapes have one region
   (void)elastic_matrix(materials[0]);
   check_residual(options, materials[0]);
 }
@@ -114,7 +113,8 @@ void warn_of_inaudible_modes(const Solved& body, const ModalOptions& options,
     progress.notify("warning: " + odd);
 }
 
-constexpr double kBandLimit = 21000; // Hz: what a listener hears of forces between the modes
+constexpr double kBandLimit =
+    21000; // Hz, upper limit of the band for forced vibration between the modes
 
 void radiate_into(Solved& body, const ModalOptions& options, ProgressLine& progress,
                   const Forecast& forecast) {
@@ -134,7 +134,7 @@ void radiate_into(Solved& body, const ModalOptions& options, ProgressLine& progr
                body.radiation.resolved_hz));
 }
 
-/// The next mesh, checked and assembled.
+/// Makes, checks and assembles the next mesh.
 Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLine& progress,
                  Forecast& forecast) {
   Solved body;
@@ -166,8 +166,8 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
 void export_files(const ModalOptions& options, const Solved& body, ProgressLine& progress) {
   if (!options.inp.empty()) {
     progress.stage("writing " + options.inp, 0);
-    const std::size_t rigid =
-        rigid_motions(body.mesh, *body.matrices).size() / body.mesh.dofs(); // modes there
+    const std::size_t rigid = rigid_motions(body.mesh, *body.matrices).size() /
+                              body.mesh.dofs(); // the exported file's analysis includes these
     write_inp(options.inp, body.mesh, body.materials, supports_of(options, body.mesh),
               options.modes + rigid);
   }
@@ -177,7 +177,7 @@ void export_files(const ModalOptions& options, const Solved& body, ProgressLine&
   }
 }
 
-/// Refines until the tolerance is met or the next mesh cannot be had; then the last one stays.
+/// Refines until the tolerance is met or the next mesh cannot be made; the last one is then kept.
 void refine(Solved& body, const ModalOptions& options, Refinement& refinement, ErrorEstimate error,
             ProgressLine& progress, Forecast& forecast) {
   while (!refinement.finished(body.mesh, body.matrices->constrained, error)) {

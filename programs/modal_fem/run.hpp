@@ -26,12 +26,12 @@ struct Solved {
 /// The supports of the command line, on the mesh's nodes. Refuses a region that contains no node.
 [[nodiscard]] std::vector<Support> supports_of(const ModalOptions&, const Mesh&);
 
-/// What a table says of a body that is solved. `created`: ISO 8601, or empty.
+/// The table of a solved body. `created`: ISO 8601, or empty.
 [[nodiscard]] ModalTable table_of(const ModalOptions&, const Solved&, const std::string& created);
 
-/// The modes of a body that is reshaped and their derivatives: the ordered number, or all that
-/// there are. `displacement` of the space's parameters (m) has moved the mesh; supports are those
-/// of the mesh as it was.
+/// The modes of a reshaped body and their derivatives: the requested number, or all that exist.
+/// `displacement` of the space's parameters (m) has moved the mesh; supports are those of the
+/// original mesh.
 [[nodiscard]] Solved solve_moved(const ModalOptions&, Mesh moved, std::span<const Material>,
                                  std::span<const Support>, const DesignSpace&,
                                  std::vector<double> displacement);

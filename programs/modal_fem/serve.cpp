@@ -38,7 +38,7 @@ public:
     if (table_.sensitivity.parameters() != parameters())
       throw InputError(path_ + format(" has %zu shape parameters, expected the %zu of its command",
                                       table_.sensitivity.parameters(), parameters()));
-    options_.modes = table_.modes(); // more than its command asked for, where they are a group
+    options_.modes = table_.modes(); // may exceed the number in its command, to complete a group
     set_solver_threads(options_.threads);
   }
 
@@ -80,7 +80,7 @@ public:
 
 private:
   struct Shape {
-    std::vector<double> displacement; ///< that was reached, m
+    std::vector<double> displacement; ///< displacement reached, m
     double fraction = 1;
     Solved body;
   };
@@ -105,7 +105,8 @@ private:
     return shape;
   }
 
-  /// The first answer's shares count the modes of the table: they must be those found here.
+  /// The shares in the first answer refer to the table's modes, so these must equal the modes found
+  /// here.
   void compare_with_table(const Solved& body) const {
     const auto& found = body.modes.frequency_hz;
     if (found.size() != table_.modes())

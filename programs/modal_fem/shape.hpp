@@ -8,8 +8,9 @@ namespace tactus::fem {
 inline constexpr std::size_t kModesBeyond = 4;
 
 /// Derivatives of the first `count` squared frequencies with respect to the control points. Points
-/// on a face of the box that the body passes through stay, so that it stays in one piece, and so do
-/// those that move nothing. Bounds are cut where a coordinate alone would spoil an element.
+/// on a face of the box through which the body extends are fixed, so that it stays in one piece,
+/// and so are those that move nothing. Bounds are reduced where a coordinate alone would invert an
+/// element.
 [[nodiscard]] ShapeDerivatives shape_derivatives(const DesignOptions&, const Mesh&,
                                                  std::span<const Material>, const Modes&,
                                                  std::size_t count, ProgressLine&);

@@ -28,7 +28,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   const std::size_t constrained = static_cast<std::size_t>(
       std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
-  // A few more than asked for, as in find_modes; SLEPc finds no more than there are.
+  // A few more than requested, as in find_modes; SLEPc finds at most as many as exist.
   const std::size_t requested = std::min(count + 4, n - constrained - rigid.size() / n);
   const MpiRun slepc(kSlepc, kFiles);
   // Both matrices, both triangles: 9 + 3 entries of 12 bytes a pair of nodes, and the vectors.

@@ -8,9 +8,9 @@ namespace tactus::fem {
 void check_slepc();
 
 /// The same modes as find_modes(), from SLEPc with MUMPS on `ranks` processes of mpirun: exports K,
-/// M and the rigid motions into a private folder in $TMPDIR (or /tmp), imports what is found, and
-/// removes the folder, whatever happens. mpirun's own settings (OMPI_MCA_...) choose the machines;
-/// $TMPDIR must then lie on a disk they share. Refuses in one sentence what fails.
+/// M and the rigid motions into a private folder in $TMPDIR (or /tmp), imports the results, and
+/// always removes the folder. mpirun's own settings (OMPI_MCA_...) select the machines; $TMPDIR
+/// must then be on a disk that they share. Refuses with one sentence if a step fails.
 [[nodiscard]] Modes slepc_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                 std::size_t count, int ranks, ProgressLine&);
 

@@ -102,8 +102,8 @@ LoadOptions read_load(const std::string& option, const std::string& words, doubl
   return load;
 }
 
-/// The problem that the lift arm is known for, where none is given: splined to its shaft, the lift
-/// rod pulls down, the cylinder pushes up.
+/// Default supports and loads of the lift arm: splined to its shaft, the lift rod pulls down, the
+/// cylinder pushes up.
 void add_default_loads(PartOptions& options) {
   options.supports.push_back(read_support("--fix", "set:hub", 1));
   options.loads.push_back(read_load("--bolt", "set:rod_eye:0,-12000,0", 1));

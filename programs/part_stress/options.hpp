@@ -6,12 +6,12 @@
 
 namespace tactus::fem {
 
-/// A support: nodes held in directions, or an elastic bedding of faces.
+/// A support: nodes fixed in some directions, or an elastic foundation of faces.
 struct SupportOptions {
   std::string words;
   Region at_region;
   std::array<bool, 3> directions{true, true, true};
-  Vec3 stiffness_n_per_m{}; ///< zero: held
+  Vec3 stiffness_n_per_m{}; ///< zero: fixed
 };
 
 struct LoadOptions {
@@ -23,20 +23,20 @@ struct LoadOptions {
   Vec3 value;       ///< N or Pa; a pressure's is in x
 };
 
-/// A control point moved by so much, m.
+/// A control point and its displacement, m.
 struct Move {
   int control = 0;
   Vec3 displacement;
 };
 
-/// What the command line asks for.
+/// The options of the command line.
 struct PartOptions : BodyOptions {
   std::vector<SupportOptions> supports;
   std::vector<LoadOptions> loads;
   Vec3 gravity; ///< m/s^2
 
   DesignOptions design; ///< control points
-  double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's
+  double skin_edge = 0; ///< m; 0: the table has the mesh's own skin
   std::vector<Move> moves;
 
   bool petsc = false; ///< solve with PETSc on `ranks` processes
@@ -52,7 +52,7 @@ struct PartOptions : BodyOptions {
   [[nodiscard]] std::vector<Output> outputs() const;
 };
 
-/// Refuses what it does not understand. Lengths are in `--unit`.
+/// Refuses unknown options and values. Lengths are in `--unit`.
 [[nodiscard]] PartOptions read_options(const std::vector<std::string>& words);
 
 /// The help text.

@@ -14,17 +14,17 @@ namespace {
 constexpr double kDefaultElements =
     2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
-/// Around curved faces, whose sides are curved too: for the peak at a hole or fillet, and for a
-/// table, whose derivatives by every parameter and solutions while a hand drags cost more.
+/// Elements around curved faces with curved edges: for the peak at a hole or fillet; and fewer for
+/// a table, whose derivatives by every parameter and solutions during a drag cost more.
 constexpr int kElementsPerTurn = 12, kElementsPerTurnOfTable = 6;
 
-/// Of K here while it is exported, and of K, its levels and the vectors in PETSc's processes
-/// (measured, docs/results/part_stress.md); and of the libraries of one process.
+/// Memory per pair of nodes: K here during the export, and K, its levels and the vectors in PETSc's
+/// processes (measured, docs/results/part_stress.md); and memory of the libraries per process.
 constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
 double bytes_of(const MeshSize& size, const PartOptions& options) {
-  if (options.petsc) { // more processes than have work are refused when the mesh is known
+  if (options.petsc) { // too many processes are refused when the mesh is known
     const double max_processes = size.nodes / static_cast<double>(kMinNodesPerProcess);
     return size.node_pairs * kPetscPairBytes +
            std::min<double>(options.ranks, max_processes) * kPetscProcessBytes + 5e7;
@@ -100,7 +100,7 @@ void straighten_flat(Mesh& mesh) {
   constexpr double kMinGoodJacobian = .15;
   constexpr std::array<std::array<std::size_t, 2>, 6> kSides{
       {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-  for (int round = 0; round < 4; ++round) { // a node that moves may spoil a neighbour
+  for (int round = 0; round < 4; ++round) { // moving a node may worsen a neighbour
     bool changed = false;
     for (const Element& e : mesh.elements) {
       if (e.shape != Shape::tet10 || scaled_jacobian(mesh, e) >= kMinGoodJacobian)
@@ -141,7 +141,7 @@ Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::s
       const auto local = static_cast<std::size_t>(face.node[c]);
       return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
     };
-    // The tangents at the middle; those of a curved triangle by its shape functions' derivatives.
+    // The tangents at the centre; for a curved triangle from its shape functions' derivatives.
     Vec3 along_r = at_node(1) - at_node(0), along_s = at_node(2) - at_node(0);
     if (face.corners == 4) {
       along_r = at_node(2) - at_node(0);
@@ -162,7 +162,7 @@ Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::s
     axis = (1 / length(next)) * next;
   }
   const double along = dot(axis, {dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)}) / whole;
-  // Of squares of the eigenvalues' shares: 1/2 of a wall all around, 1 of a plane.
+  // Sum of squares of the relative eigenvalues: 1/2 for a cylinder wall, 1 for a plane.
   const double flatness = (dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2])) / (whole * whole);
   if (!(along < .02 && flatness < .9))
     throw InputError("--" + words +

@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// The mesh that is ordered, checked. Refuses what is beyond the memory, separate parts and bad
+/// The requested mesh, checked. Refuses a mesh beyond the memory limit, separate parts and bad
 /// elements.
 [[nodiscard]] Mesh mesh_of(const PartOptions&, ProgressLine&);
 

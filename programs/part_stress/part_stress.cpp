@@ -44,7 +44,8 @@ double volume_mean(std::span<const double> values, std::span<const double> volum
          std::accumulate(volumes.begin(), volumes.end(), 0.);
 }
 
-/// Of the part's length: beyond it a warning says that linear elasticity is not valid.
+/// Displacement over the part's length above which a warning says that linear elasticity is not
+/// valid.
 constexpr double kSmallDisplacement = 0.1;
 
 void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {
@@ -75,7 +76,7 @@ void print_state(const char* when, const PictureState& s, std::span<const double
                 100 * share, 100 * kSmallDisplacement);
 }
 
-/// Relative to the largest value: root mean square and largest difference.
+/// RMS and largest difference, relative to the largest value.
 std::array<double, 2> difference(std::span<const double> a, std::span<const double> b) {
   double sum = 0, max_difference = 0, scale = 0, squares = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -135,7 +136,7 @@ StressMetadata metadata_of(const PartOptions& options, const std::vector<std::st
   return metadata;
 }
 
-/// What is solved: a part, its model, and how its shape moves.
+/// The problem to solve: a part, its model, and its change of shape.
 struct Problem {
   const PartOptions& options;
   const std::vector<std::string>& words;
@@ -145,7 +146,7 @@ struct Problem {
   std::vector<double> requested; ///< parameters of the moved shape
 };
 
-/// What was found, of the last shape.
+/// The results for the last shape.
 struct Outcome {
   std::vector<PictureState> states;
   Mesh mesh;
@@ -172,7 +173,7 @@ void print_cut(const ValidStep& step) {
                 100 * step.fraction, step.element + 1);
 }
 
-/// By a factor in this process, which serves the derivatives too.
+/// With a factor in this process, which also serves the derivatives.
 Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
   const auto& [options, words, mesh, model, space, requested] = problem;
   const bool derivatives = !options.output.empty() || !options.moves.empty();
@@ -213,7 +214,7 @@ Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
   return out;
 }
 
-/// By several processes; each shape is solved from the displacement of the one before.
+/// On several processes; each shape is solved starting from the displacement of the previous one.
 Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
   const PartOptions& options = problem.options;
   const Mesh& mesh = problem.mesh;

@@ -44,7 +44,7 @@ double norm(std::span<const double> x) {
   return std::sqrt(sum);
 }
 
-/// ||f - K u|| by ||f||: what comes back is checked, not believed. Refuses too large a residual.
+/// ||f - K u|| / ||f||, recomputed from the returned solution. Refuses if it is too large.
 double checked_residual(const Matrices& m, const std::vector<double>& u,
                         const std::vector<double>& right) {
   std::vector<double> left(m.dofs());

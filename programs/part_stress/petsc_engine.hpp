@@ -11,10 +11,10 @@ constexpr double kPetscTolerance = 1e-8;
 void check_petsc();
 
 /// The same solution as solve_static(), from PETSc on `ranks` processes of mpirun: conjugate
-/// gradients with smoothed aggregation (GAMG), whose coarse spaces hold the six rigid motions. K, f
-/// and the nodes travel through a private folder (MpiRun). `start` is a displacement to begin with
-/// or empty. Memory and time of each process are printed. Refuses in one sentence too many
-/// processes (check_ranks()) and what fails.
+/// gradients with smoothed aggregation (GAMG), whose coarse spaces contain the six rigid motions.
+/// K, f and the nodes are passed through a private folder (MpiRun). `start`: an initial
+/// displacement or empty. Prints memory and time of each process. Refuses too many processes
+/// (check_ranks()) and failures in one sentence.
 [[nodiscard]] StaticSolution petsc_solution(const Mesh&, const StaticSystem&,
                                             std::span<const double> start, int ranks,
                                             ProgressLine&);

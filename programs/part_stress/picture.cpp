@@ -31,7 +31,7 @@ Vec3 middle(std::span<const Vec3> points) {
   return (1 / static_cast<double>(std::max<std::size_t>(points.size(), 1))) * sum;
 }
 
-/// Where a load acts, its whole force and a word for it.
+/// A load's position, its total force and its label.
 struct Arrow {
   Vec3 at, force;
   std::string words;

@@ -11,7 +11,7 @@ struct PictureState {
   std::vector<double> von_mises;           ///< recovered at the nodes, Pa
   std::vector<double> error;               ///< estimated, of `von_mises`
   std::vector<double> at_elements;         ///< at the centroids, Pa
-  std::vector<double> missing_at_elements; ///< estimated: what `at_elements` are too low by
+  std::vector<double> missing_at_elements; ///< estimated: how much too low `at_elements` are
   double max_displacement = 0;             ///< m
   double volume = 0;                       ///< m^3
   std::size_t peak = 0;                    ///< the node of the largest stress

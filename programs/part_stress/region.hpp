@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// A part of the body in the words of the command line.
+/// A region of the body, as given on the command line.
 struct Region {
   std::string words;
   Selection selection;
@@ -33,7 +33,7 @@ struct Region {
 [[nodiscard]] Vec3 read_vector(const std::string& option, const std::string& cells,
                                double scale = 1);
 
-/// What the help says of it.
+/// The help text about regions.
 [[nodiscard]] std::string usage_of_regions();
 
 } // namespace tactus::fem

@@ -19,7 +19,7 @@ from matplotlib.tri import Triangulation
 
 INK, PAPER, FAINT, HELD, LOAD, CONTROL = "#22303c", "#fbfaf7", "#a9b4bd", "#3d4c5a", "#b3262e", "#1d5fa8"
 MAP = matplotlib.colormaps["turbo"]
-ELEVATION, AZIMUTH = np.radians(20), np.radians(16)  # the eye: above and to the right of z, which looks at the user
+ELEVATION, AZIMUTH = np.radians(20), np.radians(16)  # viewer above and to the right of z, which points at the viewer
 EYE = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), np.cos(ELEVATION) * np.cos(AZIMUTH)])
 RIGHT = np.array([np.cos(AZIMUTH), 0, -np.sin(AZIMUTH)])
 UP = np.cross(EYE, RIGHT)
@@ -39,7 +39,7 @@ def draw_body(axes, points, triangles, stress, top):
     shade = (0.72 + 0.28 * np.clip(normals[seen] @ LIGHT, -1, 1))[:, None, None]
     corners = triangles[seen]
     colours = np.clip(MAP(np.clip(stress[corners] / top, 0, 1))[:, :, :3] * shade, 0, 1)
-    # Every triangle has corners of its own, as its neighbours are lit otherwise.
+    # Each triangle has its own corners, since neighbouring triangles are lit differently.
     flat = on_paper(points)[corners]
     own = Triangulation(*flat.reshape(-1, 2).T, triangles=np.arange(3 * len(corners)).reshape(-1, 3))
     rgb = colours.mean(axis=1)  # below, against hairlines between triangles

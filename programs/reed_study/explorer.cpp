@@ -26,7 +26,7 @@ haptic::RowPath move(const Vec3& from, const Vec3& to, double duration_s) {
 haptic::HandSettings Explorer::hand_settings(haptic::HandSettings hand) const {
   const bool wanders = settings_.strategy == Strategy::kWanders;
   hand.hold = haptic::HandSettings::Hold::kPerson;
-  hand.wander_m = wanders ? settings_.wander_m : 0; // the searcher's wander is its search
+  hand.wander_m = wanders ? settings_.wander_m : 0; // a searching hand does not wander in addition
   hand.wander_hz = wanders ? settings_.wander_hz : hand.wander_hz;
   return hand;
 }
@@ -47,7 +47,7 @@ void Explorer::begin(haptic::SimulatedDevice& device, const Vec3& start, double 
 void Explorer::advance(haptic::SimulatedDevice& device, double time_s) {
   if (settings_.strategy == Strategy::kWanders || time_s < next_move_s_)
     return;
-  // Planned from where the intention has come to, not from where the last move was to end.
+  // Starts at the hand's current target position, not at the end point of the last movement.
   const Vec3 from = device.hand_point().position;
   const haptic::Workspace& box = device.settings().workspace;
   Vec3 to = (box.min + box.max) * 0.5;

@@ -7,12 +7,12 @@
 
 namespace tactus::study {
 
-/// Which hand explores. Both hold the handle through core/haptic's person: spring, damper, tremor,
-/// and an intention that yields to a lasting force. Neither hears anything nor aims at a note, and
-/// each is the same hand, move by move, whatever force it feels.
+/// The strategy of a simulated hand. Both hold the handle like core/haptic's person: spring,
+/// damper, tremor, and a target position that yields to a lasting force. Neither receives sound or
+/// aims at a note, and the sequence of movements of each does not depend on the force.
 enum class Strategy {
-  kSearches, ///< goes to a place drawn evenly from the plane, stays a while, goes to the next
-  kWanders,  ///< drifts about the plane's middle as a slow noise
+  kSearches, ///< moves to uniformly random positions in the plane, pausing at each
+  kWanders,  ///< drifts about the plane's centre by slow noise
 };
 
 struct ExplorationSettings {
@@ -24,7 +24,8 @@ struct ExplorationSettings {
   // kWanders
   double wander_m = 0.025; ///< RMS an axis
   double wander_hz = 0.05;
-  double arrival_s = 8; ///< time in which the drift's middle comes from the start to the plane's
+  double arrival_s =
+      8; ///< time in which the drift's centre moves from the start to the plane's centre
 };
 
 /// Leads a simulated hand from a given start.
@@ -35,7 +36,7 @@ public:
 
   /// `hand` as the simulated person who holds the handle; it wanders only with kWanders.
   [[nodiscard]] haptic::HandSettings hand_settings(haptic::HandSettings hand) const;
-  /// Puts handle and intention at the start; before the device's first tick.
+  /// Places handle and target position at the start; call before the device's first tick.
   void begin(haptic::SimulatedDevice& device, const Vec3& start, double period_s) const;
   /// At every tick, before the device is read.
   void advance(haptic::SimulatedDevice& device, double time_s);

@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
     for (const study::Feel feel : options.feels)
       for (const double ceiling : options.ceilings) {
         if (feel == study::Feel::kOff && ceiling != options.ceilings.front())
-          continue; // no force has no ceiling
+          continue; // without force there is no ceiling
         for (trial.seed = options.first; trial.seed <= options.last; ++trial.seed) {
           if (number++ % options.part.parts != options.part.part - 1)
             continue;

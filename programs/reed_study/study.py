@@ -34,7 +34,7 @@ SLOPES = ("reeds", "growth", "height")
 # ---- the trials -----------------------------------------------------------------------------
 
 def orders():
-    """(what, arguments of the program): everything that the page shows."""
+    """(label, arguments of the program) for all trials of the page."""
     for preset in INSTRUMENTS:
         yield f"{preset}, unseen seeds", (preset, "--feel", "off", "reeds", "guidance", "--seeds",
                                           *UNSEEN)
@@ -111,7 +111,7 @@ def interval(values, statistic=lambda x: x.mean(axis=-1)):
 
 
 def time_out(rows, feel, ceiling, gain=0.3, **wanted):
-    """Time out of the playable region over that without force, pairs of one hand each."""
+    """Time outside the playable region, relative to that without force, paired by hand."""
     pairs = [1 - column(rows, "playing", feel=feel, ceiling=ceiling, gain=gain, **wanted),
              1 - column(rows, "playing", feel="off", **wanted)]
     return interval(pairs, lambda x: x[0].mean(axis=-1) / x[1].mean(axis=-1))
@@ -125,7 +125,7 @@ def said(triple, scale=1, digits=0, unit=""):
 # ---- tables: (header, rows) -----------------------------------------------------------------
 
 def equal_forces(rows):
-    """Paper and guidance at one ceiling and at two, on seeds that nobody had seen."""
+    """Paper and guidance at equal ceilings of one and two, on unseen seeds."""
     table = []
     for preset in INSTRUMENTS:
         common = {"preset": preset, "hand": "searches", "seeds": UNSEEN}

@@ -14,7 +14,7 @@ constexpr double kTick_s = static_cast<double>(kTick) / kRate;
 constexpr double kBlock_s = static_cast<double>(kBlock) / kRate;
 constexpr std::size_t kGrid = 10;
 
-/// A position drawn evenly from those where nothing sounds.
+/// A random position, uniform over the silent ones.
 reed::Gradient random_silent_position(const World& world, std::uint64_t seed) {
   Random random(seed);
   for (;;) {
@@ -24,7 +24,7 @@ reed::Gradient random_silent_position(const World& world, std::uint64_t seed) {
   }
 }
 
-/// The patch between reeds and device: from what is known at the hand to the force.
+/// The patch between reeds and device: computes the force from quantities at the hand's position.
 class ForceLaw {
 public:
   ForceLaw(const World& world, const TrialSettings& settings) : world_(world), settings_(settings) {
@@ -66,7 +66,7 @@ private:
   reed::Guidance guidance_;
 };
 
-/// What is counted while a trial runs.
+/// Statistics collected while a trial runs.
 class TrialStatistics {
 public:
   void add_block(double y, double z, double playability, double force_n) {

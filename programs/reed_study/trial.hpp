@@ -13,18 +13,18 @@
 
 namespace tactus::study {
 
-/// What the hand feels.
+/// The force on the hand.
 enum class Feel {
   kOff,
   kReeds,    ///< slope of f_p over five reeds, the paper's
   kGrowth,   ///< slope of tanh(g/50), g the growth rate of linear theory
-  kHeight,   ///< slope of GrowthMap's height, which also knows the way out of silence
+  kHeight,   ///< slope of GrowthMap's height, which also has a slope in silent regions
   kGuidance, ///< Guidance over the same map
 };
 inline constexpr std::array<std::string_view, 5> kFeels{"off", "reeds", "growth", "height",
                                                         "guidance"};
 
-/// An instrument, its plane, and what can be known about it before anybody plays.
+/// An instrument, its plane, and its maps computed in advance.
 struct World {
   World(const reed::Parameters& parameters, const reed::ControlRange& range);
 

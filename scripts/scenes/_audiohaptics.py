@@ -1,4 +1,4 @@
-"""Renders of patches/audiohaptics/audiohaptics.pd: what the bus says, what the servo wrote, what is heard."""
+"""Renders of patches/audiohaptics/audiohaptics.pd: the bus's messages, the servo's force, the sound."""
 import csv
 import pathlib
 import tempfile

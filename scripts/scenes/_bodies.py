@@ -19,9 +19,9 @@ def program():
 
 
 def table(*words, sheet=False):
-    """The path of modal_fem's table for these words of its command line. Worked out once: the file
-    lies in the build folder under a name that follows from the words, the program, and the files
-    read. With sheet, its picture lies beside it under the same name, .png."""
+    """The path of modal_fem's table for these words of its command line. Computed once: the file
+    is stored in the build folder under a name derived from the words, the program, and the files
+    read. With sheet, its picture is beside it under the same name, .png."""
     words = [str(w) for w in words]
     key = hashlib.sha256(program().read_bytes())
     for word in words:
@@ -32,7 +32,7 @@ def table(*words, sheet=False):
     folder.mkdir(exist_ok=True)
     path = folder / f"{pathlib.Path(words[0]).stem}-{key.hexdigest()[:16]}.modal.npz"
     picture = path.with_suffix("").with_suffix(".png")
-    with open(path.with_suffix(".lock"), "w") as lock:  # scenes that run side by side share tables
+    with open(path.with_suffix(".lock"), "w") as lock:  # scenes that run at the same time share tables
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not path.is_file() or (sheet and not picture.is_file()):
             drawn = ["--sheet", picture] if sheet else []
@@ -78,9 +78,9 @@ def spectrum(samples, rate=RATE, size=1 << 19):
 
 
 def peaks(samples, rate=RATE, low_hz=500, high_hz=20000, below_db=60, apart_hz=40, count=12):
-    """[(Hz, dB below the loudest)] of the spectrum's peaks, the loudest first; a parabola through
-    the top of each, in logarithm, gives the frequency. A peak is the highest within apart_hz on both
-    sides: a ripple on the skirt of another is none."""
+    """[(Hz, dB below the loudest)] of the spectrum's peaks, the loudest first; the frequency is that of a
+    parabola through the top of each, in logarithm. A peak is the highest within apart_hz on both
+    sides, so a ripple on the skirt of another is not one."""
     f, a = spectrum(samples, rate)
     level = 20 * numpy.log10(numpy.maximum(a, 1e-30))
     tops = numpy.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1

@@ -47,7 +47,7 @@ class Part:
         return nodes
 
     def volume(self, parameters):
-        """Of the drawn skin, by the divergence theorem."""
+        """Volume of the drawn skin, by the divergence theorem."""
         a, b, c = (self.skin(parameters)[self.triangles[:, k]] for k in range(3))
         return float((a * numpy.cross(b, c)).sum() / 6)
 
@@ -59,11 +59,12 @@ class Part:
         return self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
 
     def face_stress(self, stress):
-        """Of the faces that are seen, Pa: means of their corners."""
+        """Stress of the visible faces, Pa: means of their corners."""
         return stress[self.node_element[self.seen()]].mean(1)
 
     def outline(self):
-        """Of the first shape in the side view: sides of faces, (n, 2, 2) mm, beyond which there is no face."""
+        """Outline of the first shape in the side view: edges of faces, (n, 2, 2) mm, with no face on the
+        other side."""
         corners = 1000 * self.nodes[self.seen()][:, :, :2]
         begin, end = corners.reshape(-1, 2), numpy.roll(corners, -1, axis=1).reshape(-1, 2)
         along = (end - begin) / numpy.linalg.norm(end - begin, axis=1)[:, None]
@@ -115,7 +116,7 @@ class Solver:
         return payload
 
     def _ask(self, method, flags, parameters):
-        """Payload of the answer, or None for a shape that the mesh does not reach; and the seconds it took."""
+        """Payload of the answer, or None if the mesh cannot take that shape; and the duration in seconds."""
         request = struct.pack("<II", method, flags) + numpy.asarray(parameters, "<f8").tobytes()
         self.process.stdin.write(struct.pack("<IIQ", MAGIC, SOLVE, len(request)) + request)
         self.process.stdin.flush()
@@ -124,13 +125,14 @@ class Solver:
         return (payload if fraction == 1 else None), seconds
 
     def _floats(self, payload, begin, *shape):
-        """Arrays of the answer, counted in elements' stresses from the first."""
+        """Arrays of the answer; `begin` counts arrays of elements' stresses."""
         count = len(self.part.stress)
         offset = 32 + 8 * len(self.part.control) + 4 * count * begin
         return numpy.frombuffer(payload, "<f4", int(numpy.prod(shape)), offset).reshape(shape).astype(float)
 
     def solve(self, parameters):
-        """(stress in Pa, seconds) by conjugate gradients. Refuses a shape that the mesh does not reach."""
+        """(stress in Pa, seconds) by conjugate gradients. Raises an error if the mesh cannot take that
+        shape."""
         payload, seconds = self._ask(PCG, 0, parameters)
         if payload is None:
             raise RuntimeError("the mesh does not reach this shape")

@@ -3,10 +3,10 @@
 A shape is given by the coordinates of the part's handles, m. No coordinate goes beyond LIMIT; after every move
 all coordinates are shifted along the gradient of the volume until the part has its first volume again.
 
-What Pd does: [stress_haptic] evaluates the stress of each shape, sets gamma's range about the value at hand, and
-answers a pull of the handle by the force of its spring. What is done here: handles are proposed by chance, the
-shapes of the pulls are made (with the volume kept), forces that differ by less than `noticed` are taken as equal,
-and the handle is moved STEP towards the softer side. Stress and derivatives are seen by `descend` alone.
+In Pd: [stress_haptic] evaluates the stress of each shape, sets gamma's range about the current value, and
+answers a pull of the handle by the force of its spring. Here: handles are chosen at random, the shapes of the
+pulls are made (at equal volume), forces that differ by less than `noticed` count as equal, and the handle is
+moved by STEP towards the softer side. Only `descend` uses stress and derivatives directly.
 
 Run as a program it compares the setups on seeds that were not used to choose among them; see `main`.
 """
@@ -57,7 +57,7 @@ class Shapes:
         return 3 * (self._volume @ y @ y)[1:]
 
     def restored(self, x):
-        """Within LIMIT and of the first volume (1e-9 of it): x shifted along the volume's gradient."""
+        """x shifted along the volume's gradient, within LIMIT and with the first volume (to 1e-9 of it)."""
         slope, shift, wanted = self.volume_slope(x), 0.0, x
         x = numpy.clip(wanted, -LIMIT, LIMIT)
         for _ in range(20):
@@ -73,7 +73,7 @@ class Shapes:
         return numpy.array([(x, y)[a] if c == handle else 0.0 for c, a in self.part.coordinates])
 
     def peak(self, x):
-        """By the series about the first shape, Pa."""
+        """Peak stress by Taylor's series about the first shape, Pa."""
         return (self.part.stress + x @ self.slope).max()
 
 
@@ -108,11 +108,11 @@ CHOSEN = Setup("-weights volume -power 30", 1e-2, 3, True)
 
 
 def felt_forces(part, setup, hands):
-    """Newtons by which the spring of [stress_haptic] resists. hands: (parameters at hand, parameters of each pull)."""
+    """Force of [stress_haptic]'s spring, N. hands: (current parameters, parameters of each pull)."""
     patch = Patch()
     box = patch.obj("stress_haptic", str(part.path), "-resolve", "taylor", *setup.words.split())
     patch.at(1, box, f"gains {GAINS}, anchor 0 0 0")
-    # On `centre` the range goes about the value of gamma's number that the object reports.
+    # With `centre` the range is set about the current value of gamma's measure, which the object reports.
     raw = box[2] >> patch.obj("route", "raw") >> patch.obj("t", "f", "f")
     limits = patch.obj("pack", 0, 0)
     raw[1] >> patch.obj("*", 1 + setup.band) >> limits[1]

@@ -1,4 +1,4 @@
-"""The AudioHaptics disk: what the paper measured, the supports tried, and the impact."""
+"""The AudioHaptics disk: the paper's measurements, the supports tried, and the impact."""
 import _bodies
 import numpy
 from _bodies import RATE
@@ -56,7 +56,7 @@ def drop(path, seconds=3.0, flags=()):
 
 
 def bounce(path, seconds=4.0):
-    """The same with the ball's further blows: each leaves with what the contact gives back."""
+    """The same with the ball's further impacts: each leaves with the speed that the contact returns."""
     _, contact = drop(path, 0.2)
     back = contact.sum() / RATE / MOMENTUM - 1
     strikes, time, speed = [], 0.05, _bodies.DROP_SPEED
@@ -68,7 +68,8 @@ def bounce(path, seconds=4.0):
 
 
 def peak_near(sound, frequency_hz, within=0.1):
-    """Hz of the loudest peak within that part of a frequency, None when nothing stands 70 dB near
+    """Frequency in Hz of the loudest peak within that fraction of a frequency; None if no peak is within 70
+    dB of
     the sound's loudest."""
     all_of_it = _bodies.spectrum(sound[int(0.06 * RATE):])[1].max()
     low, high = frequency_hz * (1 - within), frequency_hz * (1 + within)

@@ -1,4 +1,5 @@
-"""Solid or hollow? Two disks that look alike are struck, and a classifier that has only the sound tells them apart."""
+"""Solid or hollow? Two disks that look alike are struck, and a classifier distinguishes them by sound
+alone."""
 import _bodies
 import numpy
 from _bodies import RATE
@@ -33,7 +34,7 @@ def draw_strikes(count, radii_mm, speeds, distances_mm, generator):
 
 
 def record(name, drawn, generator):
-    """The sound of each strike, brought to the same rms so that loudness says nothing, with noise."""
+    """The sound of each strike, scaled to equal rms so that loudness carries no information, with noise."""
     step = HEARD_S + 0.1
     messages = []
     for i, (x, y, v, listener) in enumerate(drawn):
@@ -79,7 +80,7 @@ class Discriminant:
         return (heard - self.middle) @ self.direction > 0
 
     def right(self, solid, hollow):
-        """Part of both sets that is named rightly."""
+        """Fraction of both sets that is classified correctly."""
         return float(numpy.concatenate([self.hears_solid(solid), ~self.hears_solid(hollow)]).mean())
 
 
@@ -89,8 +90,8 @@ TRIED = {"radii_mm": (30, 46), "speeds": (1.2, 3.0), "distances_mm": (250, 600)}
 
 
 def experiment(count=120, seed=1):
-    """A dictionary of results: heard and features by disk for both halves, part right in both
-    directions, by single features, and for a discriminant trained on shuffled labels."""
+    """A dictionary of results: sounds and features by disk for both conditions, fraction correct in both
+    directions, for single features, and for a discriminant trained on shuffled labels."""
     generator = numpy.random.default_rng(seed)
     heard = {(half, name): record(name, draw_strikes(count, **world, generator=generator), generator)
              for half, world in (("learnt", LEARNT), ("tried", TRIED)) for name in DISKS}

@@ -2,9 +2,9 @@
 import numpy
 from harness import Patch
 
-DELAYS_MS = (31.3, 37.9, 43.7, 49.1)  # no common multiples: no coloured ring
+DELAYS_MS = (31.3, 37.9, 43.7, 49.1)  # no common multiples, to avoid coloration
 T60_S = 1.3
-DAMPING_HZ = 3800                     # walls swallow what is above
+DAMPING_HZ = 3800                     # absorption of the walls above this
 WET = 0.22
 
 

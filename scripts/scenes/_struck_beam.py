@@ -1,4 +1,5 @@
-"""Part of ./play design: a beam that is struck while it is reshaped along a path, and what was solved anew."""
+"""Part of ./play design: a beam that is struck while it is reshaped along a path, and its recomputed
+modes."""
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch, stage_folder
@@ -13,7 +14,8 @@ MODES, TOP_HZ = 8, 9000
 
 
 def displacement_mm(table, seconds):
-    """Of all parameters; the middle of the length leads the tip by a tenth of the way, so that it is no plain stretch."""
+    """Of all parameters; the middle of the length leads the tip by a tenth of the path, so the shape is not a
+    pure stretch."""
     side = numpy.interp(seconds, TIMES, HEIGHT)
     points = table["control_points"][table["parameters"][:, 0].astype(int)]
     middle = 1 - 0.1 * numpy.sign(points[:, 0])

@@ -1,4 +1,4 @@
-"""The bodies of ./play bodies: what they are, what strikes them where, and a piece for them."""
+"""The bodies of ./play bodies, their strikers, and a piece for them."""
 import gzip
 import pathlib
 import subprocess
@@ -12,7 +12,7 @@ from harness import stage_folder
 SHAPES = pathlib.Path(__file__).resolve().parents[2] / "data" / "bodies"
 LEVER = ("gmsh-doc", "usr/share/doc/gmsh-doc/converters/stl_to_cartesian/lever.stl.gz")
 LISTENERS = ("listener 1 -90 60 350", "listener 2 90 60 350")  # ears, mm
-# The air around each mode. 450 triangles: above some 4 kHz the direction of a sound is no longer exact.
+# The air around each mode. With 450 triangles the directivity is inexact above about 4 kHz.
 AIR = ("--radiation", "body", "--acoustic-triangles", 450)
 STRIKERS = {"steel ball": _bodies.ball(),
             "wooden ball": _bodies.ball(0.012, 1.1e10, 0.3, 700),

@@ -1,7 +1,8 @@
 """A steel bar struck on a wooden board: alone, on felt, screwed to it, and loose so that it rattles
 
 Two tables in closed form in one [modal_impact~]: `board` lays the bar on a simply supported plate of
-spruce, `rest` says where they touch, `rest_stiffness` and `rest_force` through what and how hard.
+spruce, `rest` sets the points of contact, `rest_stiffness` and `rest_force` the layer between and its
+preload.
 """
 import pathlib
 import sys

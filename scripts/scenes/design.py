@@ -11,8 +11,9 @@ which follows the largest stresses. Forces that differ by less than 7 % are take
 Beside it: random directions, and steepest descent of the largest stress with all points at once, for which stress
 and derivatives are solved anew at every move. No coordinate goes further than 8 mm.
 
-At the end the beam is struck each half second while it is reshaped: its frequencies follow the derivatives, and
-modal_fem solves its modes anew beside the sound (`patches/design/struck_beam.pd`).
+At the end the beam is struck every half second while it is reshaped: its frequencies follow the derivatives,
+and
+modal_fem recomputes its modes in the background (`patches/design/struck_beam.pd`).
 """
 import concurrent.futures
 import os
@@ -202,7 +203,8 @@ def descended(part):
 
 
 def make(scene):
-    # Of the children: Pd and solvers run side by side here, and idle threads of OpenBLAS wait by spinning.
+    # For the child processes: Pd and solvers run at the same time, and idle threads of OpenBLAS wait by
+    # spinning.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     parts = {name: Part(table, layer) for name, (table, layer, *_) in PARTS.items()}

@@ -2,10 +2,10 @@
 
 Yano and Iwata's experiment (AudioHaptics): a steel ball of 6 mm radius falls 100 mm onto an
 aluminium disk, 100 mm across and 12 mm thick, 25 mm from its centre; a microphone hears it from
-(30, 0, 26) mm. [modal_impact~] plays the tables that modal_fem works out, first for a free disk, then
-for one held at the centre of its back. No free disk of these dimensions has a mode below 5.89 kHz, so
-the measured 3.956 kHz needs a support: the sections below say which, what was given, what was
-chosen to fit, and what stays unexplained.
+(30, 0, 26) mm. [modal_impact~] plays the tables that modal_fem computes, first for a free disk, then
+for one supported at the centre of its back. No free disk of these dimensions has a mode below 5.89 kHz, so
+the measured 3.956 kHz needs a support: the sections below describe the support, the given data, the fitted
+values, and the unexplained differences.
 """
 import pathlib
 import sys

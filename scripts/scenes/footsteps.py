@@ -23,7 +23,7 @@ FOUR = ("wood", "creak", "snow", "underbrush")
 ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
        "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
 HALT = 1.5       # s: the last steps, and what they leave sounding
-FELT_GAIN = 0.5  # of the drives that are kept as sounds: quick steps on snow drive an actuator to its limit
+FELT_GAIN = 0.5  # of the actuator signals stored as sounds: quick steps on snow reach an actuator's limit
 SPEEDS = (("slow", 0.9), ("usual", 1.4), ("quick", 1.9))
 PATH = ("wood", "gravel", "snow", "dryleaves", "water")
 NAMES = ("sound", "heel_drive", "ball_drive", "force", "sound_2", "heel_drive_2", "ball_drive_2",

@@ -1,9 +1,9 @@
 """where each preset plays, over mouth pressure and reed frequency
 
-Left: the playability f_p of an instrument blown at every place of the plane, from rest. Right: the
-growth rate that linear theory gives a note there; white is its boundary between dying and growing.
+Left: the playability f_p of an instrument blown at every point of the plane, from rest. Right: the
+growth rate of a note there by linear theory; white is the boundary between decay and growth.
 The same boundary is drawn over the left picture. Where the two disagree, a note grows too slowly to
-speak within the 0.7 s that a node is given (the pale rim), an instrument speaks
+speak within the 0.7 s of a node (the pale rim), an instrument speaks
 below the threshold of its smallest oscillations, or a valve is held at its limit. The map in the
 Pd patch (reed_map) is the left one, computed in the background by [playability_map].
 """

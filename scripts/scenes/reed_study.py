@@ -1,13 +1,13 @@
 """does the feel help? simulated hands explore a reed with and without force
 
 Twenty simulated hands explore the plane of mouth pressure and reed frequency for a minute each,
-from a silent start, knowing nothing of where the notes are: with no force, with the slope of five
+from a silent start, without knowledge of the notes: with no force, with the slope of five
 reeds' playability (the paper's), with the slope of linear theory's growth rate, and with the
-guidance that leads to the nearest quick note and leaves the hand alone there. The hands give way to a
-lasting force within about a second. A hand is the same person with the same search whatever it feels,
+guidance, which points to the nearest quick note and is zero there. The hands yield to a
+lasting force within about a second. A hand is the same person with the same search whatever the force,
 so differences are paired. Intervals are 95 %, by 10000 bootstrap samples of the hands.
 
-How the hands are made, what the numbers mean and what they do not show: docs/results/reed_study.md.
+The construction of the hands, the meaning of the numbers and their limits: docs/results/reed_study.md.
 """
 import csv
 import io

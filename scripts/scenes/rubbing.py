@@ -1,9 +1,10 @@
 """Bodies that are rubbed: a bowed bell, a sung glass, a bar bowed at its end, a scraped board, a string
 
 The tables of ./play bodies, rubbed instead of struck: [modal_impact~]'s inlets 3 and 4 press a surface
-onto the body and drag it along, `rub` says where and `friction` what it is like. The same contact as in
+onto the body and drag it along, `rub` sets the position and `friction` the friction law. The contact is that
+of
 [contact_friction~], on any number of modes. The string's table is in closed form: its motion is Helmholtz'
-(one corner that runs round, one slip a period), and keeps to Schelleng's limits of the bow's force.
+(one corner that runs round, one slip per period), and follows Schelleng's limits of the bow's force.
 """
 import pathlib
 import sys

@@ -50,7 +50,7 @@ struct Counter {
   ~Counter() { ++log->ended; }
   double work(const Request& request, Turn<Answer>& turn) {
     ++log->begun;
-    while (log->held && !(request.to < 0 && turn.given_up()))
+    while (log->held && !(request.to < 0 && turn.is_superseded()))
       std::this_thread::yield();
     if (turn.is_new())
       counted = 0;

@@ -17,8 +17,9 @@
 /// finite and no longer than force_limit_n.
 namespace tactus::haptic {
 
-/// Allowance of [phantom] and of the servers, W: what a hand's own damping of some 5 N s/m takes at
-/// 0.1 m/s. Forces of soft springs that a patch computes a tick late come unchanged.
+/// Allowance of [phantom] and of the servers, W: the power that the hand's own damping of about 5 N
+/// s/m dissipates at 0.1 m/s. Forces of soft springs that a patch computes one tick late therefore
+/// pass unchanged.
 inline constexpr double kAllowance_w = 0.05;
 
 struct ChainSettings {
@@ -63,14 +64,14 @@ struct ChainInput {
   bool warm = false;      ///< the device reports warm motors
 };
 
-/// Ticks since the statistics were reset, and how many of them each stage changed.
+/// Ticks since the statistics were reset, and the number of ticks in which each stage acted.
 struct ChainCounters {
   std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
   std::uint64_t braked = 0;  ///< ticks in which the passivity controller acted
   std::uint64_t derated = 0; ///< ticks in which the thermal limit shortened the force
 };
 
-/// What the chain stores from tick to tick.
+/// State of the chain, kept from tick to tick.
 struct ChainState {
   // interpolation, in ticks
   Vec3 start{}, target{}, commanded{};
@@ -96,14 +97,15 @@ struct ChainState {
   ThermalLimit thermal{};
   bool derating = false;           ///< as ThermalLimit::derating()
   double derated_to_n = 0;         ///< as ThermalLimit::steady_limit_n()
-  double asked_n = 0, taken_n = 0; ///< before the clamp; by the passivity controller, in this tick
-  bool clipping = false, braking = false; ///< in the last half second, by a noticeable part
-  double clipping_s = 0, braking_s = 0;   // left of that
+  double asked_n = 0, taken_n = 0; ///< in this tick: before the clamp; change by the passivity
+                                   ///< controller
+  bool clipping = false, braking = false; ///< true if noticeable in the last half second
+  double clipping_s = 0, braking_s = 0;   // time until they are reset
   ChainCounters counters{};
 };
 
-/// Sets a new target force. A target with a component that is not finite is refused (false): the
-/// last good one stays, until the watchdog's hold time has passed.
+/// Sets a new target force. A target with a component that is not finite is refused (returns
+/// false): the last good target stays until the watchdog's hold time has passed.
 bool command(ChainState&, const ChainSettings&, const Vec3& force_n, double time_s) noexcept;
 /// Counts a target that the caller has refused.
 void refuse(ChainState&, double time_s) noexcept;

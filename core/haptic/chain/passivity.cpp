@@ -9,7 +9,7 @@ namespace {
 constexpr double kMaxEnergy_j = 1e6;
 // The handle is at rest while it stays within the reading's error plus this distance.
 constexpr double kAtRestRadius_m = 2e-5;
-// The damper may remove this many times K T more than is created in the tick: earlier debts.
+// Largest damping in excess of the present creation, in units of K T: it removes earlier debts.
 constexpr double kDampingPerLeak = 3;
 constexpr double kMinForce_n = 1e-12; // a shorter one is rounding
 constexpr double kStiffnessTimeConstant_s = 0.05;
@@ -21,11 +21,11 @@ constexpr double kVelocityWindow_s = 2e-3;
 constexpr double kApproachWindow_s = 0.032;
 // Below this speed the velocity's direction is noise.
 constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
-// A bounce lasts pi sqrt(M/K), 70 ms for 0.1 kg on 200 N/m; a handle that stays in contact longer
-// is held there, and swings against the hand.
+// A bounce lasts pi sqrt(M/K), 70 ms for 0.1 kg on 200 N/m. A handle that stays in contact longer
+// is pressed on by the hand and oscillates against it.
 constexpr double kMaxBounce_s = 0.1;
-// Share of the approach by which the contact must have held the handle back before its mass can be
-// told from the motion.
+// Share of the approach by which the contact must have slowed the handle before its mass can be
+// estimated from the motion.
 constexpr double kMinSlowing = 0.02;
 
 /// The value with its magnitude reduced by that much, not below zero.
@@ -52,8 +52,8 @@ void PassivityController::observe(const PassivitySettings& settings, const Vec3&
   }
   moved_before_ = moved_;
   moved_ = position_m - at(positions_, tick_);
-  // What the slew limit has made of the contact's part: along the contact's direction, no longer
-  // than it is now or was before.
+  // The contact's part of the written force, after the slew limit: along the contact's direction,
+  // no longer than it is now or was before.
   const Vec3& last = at(contacts_, tick_);
   const double longest = std::max(norm(contact_.returned), norm(last));
   const Vec3 felt =
@@ -74,7 +74,7 @@ void PassivityController::observe(const PassivitySettings& settings, const Vec3&
   } else {
     at_rest_s_ += settings.period_s;
   }
-  if (at_rest_s_ >= kAtRest_s) { // friction and hand have dissipated it
+  if (at_rest_s_ >= kAtRest_s) { // friction and hand have dissipated the energy
     energy_j_ = std::max(energy_j_, 0.0);
     contact_.created_j = command_.created_j = 0;
   }
@@ -122,7 +122,7 @@ void PassivityController::Held::brake(const PassivitySettings& settings, const V
   const double speed = dot(velocity, direction);
   const double leak = stiffness_n_per_m * T * lead_ticks; // N s/m
   created_j = std::clamp(created_j + (leak * speed * speed - allowance_w) * T, 0.0, kMaxEnergy_j);
-  // One encoder step shows as an energy of K q^2/2 that the force has not created.
+  // One encoder step appears as an energy of K q^2/2 that the force has not created.
   const double step = 2.0 * settings.position_noise_m;
   const double debt_j = created_j - 0.5 * std::min(stiffness_n_per_m, limit / T) * step * step;
   if (!settings.active || !(debt_j > 0.0) || !(std::abs(speed) > kMinBrakedSpeed_m_per_s))
@@ -146,7 +146,7 @@ void PassivityController::begin_contact(const PassivitySettings& settings) noexc
   approach_error_ = ticks > 0 ? 2.0 * settings.position_noise_m / seconds : 0.0;
 }
 
-/// The account of a contact is closed when its last force has been felt.
+/// Closes the account of a contact when its last force has reached the hand.
 void PassivityController::end_contact(const PassivitySettings& settings) noexcept {
   contact_s_ = impulse_ns_ = double_impulse_kg_m_ = variation_n_ = 0;
   free_ticks_ = std::min(free_ticks_ + 1, kHistory);
@@ -155,17 +155,18 @@ void PassivityController::end_contact(const PassivitySettings& settings) noexcep
   energy_j_ = in_transit ? std::min(energy_j_, 0.0) : 0.0;
 }
 
-/// The longest force of the contact (N) that a handle which it throws back may feel from now on.
-/// `outward` and `accelerated`: its speed along that force, and how much this grew in the last
+/// The largest force (N) that the contact may exert from now on, on a handle that it throws back.
+/// `outward`: speed of the handle along that force; `accelerated`: growth of this speed in the last
 /// tick.
 ///
 /// A force F that is held for T and then falls at the slew limit s is an impulse F T + F^2/(2 s).
-/// By momentum: a free handle of mass M that arrives with v leaves with no more than v while the
-/// impulse of the whole contact is at most 2 M v; M = double impulse / (v t - depth) from the
-/// motion so far, with the reading's error to the safe side. By energy: that impulse times the
-/// speed is at most what the hand has put in, less the forces in transit and what the readings'
-/// error may have added. A hand that has pressed meanwhile has given energy, so that the larger of
-/// the two holds.
+/// It is bounded by momentum and by energy. The larger bound holds, because a hand that has pressed
+/// during the contact has supplied energy.
+/// - Momentum: a free handle of mass M that arrives at the speed v leaves with at most v as long as
+///   the impulse of the whole contact is at most 2 M v. The mass is estimated from the motion so
+///   far as M = double impulse / (v t - depth), with the reading's error on the safe side.
+/// - Energy: that impulse times the speed is at most the energy that the hand has put in, less that
+///   of the forces in transit and less the error that the readings may have added.
 double PassivityController::affordable_force(const PassivitySettings& settings, double outward,
                                              double accelerated) noexcept {
   constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -190,7 +191,7 @@ double PassivityController::affordable_force(const PassivitySettings& settings, 
     const double slowed_m =
         dot(at(positions_, tick_) - arrival_m_, contact_.direction) + arrival * contact_s_;
     if (!(slowed_m > kMinSlowing * arrival * contact_s_))
-      return kAny; // it arrives
+      return kAny; // still approaching
     const double mass = double_impulse_kg_m_ / (slowed_m + 2.0 * noise);
     by_momentum = force_of(mass * (2.0 * arrival - approach_error_) - impulse_ns_ - in_transit_ns);
     if (mass > 0.0)
@@ -201,8 +202,8 @@ double PassivityController::affordable_force(const PassivitySettings& settings, 
   if (!(speed > 0.0))
     return kAny;
   const double left_j = energy_j_ - noise * variation_n_ - in_transit_ns * speed;
-  // The handle accelerates meanwhile: in the mean over a force that falls to zero by a quarter of
-  // what the present acceleration would give.
+  // The handle accelerates meanwhile. Averaged over a force that falls linearly to zero, this adds
+  // a quarter of the speed that the present acceleration would give.
   const double mean_speed = speed + 0.25 * accelerated * norm(contact_.desired) / (slew * T);
   return std::max(by_momentum, force_of(left_j / mean_speed));
 }
@@ -211,8 +212,9 @@ PassivityController::Parts PassivityController::limit(const PassivitySettings& s
                                                       const Parts& desired,
                                                       const Vec3& velocity) noexcept {
   const double T = settings.period_s;
-  // The bound is the last displacement over one tick. Its mean velocity as the bound would be too
-  // slow by half and more for single encoder steps and for a handle that a wall throws back.
+  // Bounds the speed by the displacement of the last 2 ms over one tick. The mean speed of these 2
+  // ms would be too low by half or more, for single encoder steps and for a handle that a wall
+  // throws back.
   const Vec3 fastest = displacement(settings) * (1.0 / T);
   Vec3 agreed;
   for (int axis = 0; axis < 3; ++axis)
@@ -236,7 +238,7 @@ PassivityController::Parts PassivityController::limit(const PassivitySettings& s
   const double accelerated = std::max(agreed_outward - outward_, 0.0);
   outward_ = agreed_outward;
   if (contact_s_ > 0.0 && contact_s_ <= kMaxBounce_s) {
-    // An exact reading that shows more than the last 2 ms is believed: the handle speeds up.
+    // An exact reading above the speed of the last 2 ms is used: the handle accelerates.
     const double outward = settings.position_noise_m > 0.0 || !(agreed_outward > 0.0)
                                ? agreed_outward
                                : std::max(agreed_outward, dot(velocity, contact_.direction));

@@ -38,7 +38,7 @@ struct PassivitySettings {
 ///    and slew limit, where it would otherwise give it more energy than the observer holds and more
 ///    momentum than it arrived with.
 ///
-/// Neither turns a force round, and where a part is zero it stays zero.
+/// Neither reverses a force, and a part that is zero stays zero.
 class PassivityController {
 public:
   static constexpr double kAtRest_s = 0.05;
@@ -47,7 +47,7 @@ public:
   /// The parts of a force, N.
   struct Parts {
     Vec3 contact{}; ///< of models inside the servo
-    Vec3 command{}; ///< of the host, and what else is not a contact
+    Vec3 command{}; ///< of the host, and all else that is not a contact
   };
 
   /// Updates the observer. position_m: of the handle now; written_n: the force that was written in
@@ -60,10 +60,11 @@ public:
                             const Vec3& velocity) noexcept;
 
   /// The work of the hand on the contact since it began, J: E_n = E_(n-1) - F_(n-1-L) . (x_n -
-  /// x_(n-1)), exact for a held force, at most tank_j. Zero when the last force of the contact has
-  /// been felt; a negative one also when the handle has been at rest for kAtRest_s.
+  /// x_(n-1)), exact for a held force, at most tank_j. It becomes zero when the last force of the
+  /// contact has reached the hand; a negative one also when the handle has been at rest for
+  /// kAtRest_s.
   [[nodiscard]] double energy_j() const noexcept { return energy_j_; }
-  /// Length of the last change of the force, N.
+  /// Magnitude of the change of the force by the last limit(), N.
   [[nodiscard]] double taken_n() const noexcept { return taken_n_; }
 
 private:
@@ -72,7 +73,7 @@ private:
   template <class T> static T& at(std::array<T, kHistory>& ring, std::size_t tick) noexcept {
     return ring[tick % kHistory];
   }
-  /// One part of the force, and what holding it has created.
+  /// One part of the force, and the energy that holding it has created.
   struct Held {
     Vec3 desired{}, returned{};              // of the last tick
     Vec3 direction{};                        // of the last force that was not zero
@@ -100,7 +101,7 @@ private:
   Vec3 rest_position_{};
   double at_rest_s_ = 0;
 
-  // the contact as the end of a free flight
+  // the approach, as the end of a free flight
   Vec3 arrival_m_{}, approach_{}; // last reading before it; mean velocity until then
   double approach_error_ = 0;     // m/s
   double contact_s_ = 0;

@@ -15,9 +15,9 @@ struct ThermalSettings {
 /// so that h tends to the mean square of the force. The limit C of the force falls with h:
 ///   C^2 = peak^2 for h <= continuous^2 / 2, from there linear in h to (0.9 continuous)^2 at
 ///   h = continuous^2.
-/// C is continuous in time and below the rating before h reaches it, so that a force requested for
-/// ever settles below `continuous` without a step. Source: thermal model of a motor with one time
-/// constant, e.g. IEC 60034-11. tau is our choice, of the order of a small motor's winding.
+/// C is continuous in time and falls below the rating before h reaches it, so that a constant
+/// request settles below `continuous` without a step. Source: thermal model of a motor with one
+/// time constant, e.g. IEC 60034-11. tau is our choice, of the order of a small motor's winding.
 ///
 /// Where the device itself reports warm motors the limit goes to half of `continuous` (half of the
 /// peak where that is not known) over kWarmRamp_s, and back over kCoolRamp_s after the report.
@@ -35,11 +35,11 @@ public:
   void advance(const ThermalSettings& settings, double force_n, bool reported_warm) noexcept;
   /// The force limit now, N; never above peak_n.
   [[nodiscard]] double ceiling_n(const ThermalSettings& settings) const noexcept;
-  /// Whether to tell the user that the limit is lowered: true when it falls below 0.95 of the peak,
+  /// Whether to report the lowered limit to the user: true when it falls below 0.95 of the peak,
   /// false again when it is the peak and h < 0.4 continuous^2 (hysteresis).
   [[nodiscard]] bool derating() const noexcept { return derating_; }
-  /// The limit, N, at which a force requested for ever settles: the C with C^2 = h, or the limit
-  /// for warm motors while the device reports them.
+  /// The limit, N, at which a constant request settles: the C with C^2 = h, or the limit for warm
+  /// motors while the device reports them.
   [[nodiscard]] double steady_limit_n(const ThermalSettings& settings) const noexcept;
   /// h, N^2
   [[nodiscard]] double heat_n2() const noexcept { return heat_n2_; }

@@ -23,7 +23,7 @@ public:
   static constexpr double kRise_s = 0.02; ///< slew limit: from zero to the peak in this time
 
   void reset() noexcept { sent_ = {}; }
-  /// One tick, after the force's chain; returns what to send. Zero while not homed.
+  /// One tick, after the force's chain; returns the command to send. Zero while not homed.
   [[nodiscard]] WristCommand step(const WristCommand& requested, const ChainState& chain,
                                   const Caps& caps, bool homed, double period_s) noexcept;
 

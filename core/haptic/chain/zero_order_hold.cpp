@@ -19,8 +19,8 @@ Matrix product(const Matrix& a, const Matrix& b) noexcept {
   return c;
 }
 
-/// exp(A) by scaling and squaring: A is halved until its norm is at most 1/4, a Taylor sum of 14
-/// terms follows (remainder 1e-20), then the squarings. The closed form would lose digits near
+/// exp(A) by scaling and squaring: A is halved until its norm is at most 1/4, then come a Taylor
+/// sum of 14 terms (remainder 1e-20) and the squarings. The closed form would lose digits near
 /// critical damping and for K near 0.
 Matrix exponential(Matrix a) noexcept {
   double largest = 0;

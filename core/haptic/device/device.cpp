@@ -3,7 +3,7 @@
 namespace tactus::haptic {
 
 void reject_unreachable(const Caps& caps, State& state, Vec3& last_good) noexcept {
-  // The stated workspace is where force is dependable; it may be half of what the arm can reach.
+  // The stated workspace is the region of dependable force; the arm may reach twice as far.
   constexpr double kReach = 4;
   const Vec3 centre = (caps.workspace_min + caps.workspace_max) * 0.5;
   const double half_diagonal_m = 0.5 * norm(caps.workspace_max - caps.workspace_min);

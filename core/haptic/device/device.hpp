@@ -39,7 +39,7 @@ struct Caps {
   bool has_gripper = false;   ///< State::gripper_m is measured
 };
 
-/// Names that a device gives of itself; empty where it gives none.
+/// Names that a device reports; empty if it reports none.
 struct Identity {
   std::string vendor, model, serial;
 };
@@ -94,17 +94,16 @@ public:
   [[nodiscard]] virtual bool read(const Tick& tick, State& state) noexcept = 0;
   /// Force in N, held by the device until the next write; false when it could not be sent.
   [[nodiscard]] virtual bool write(const Vec3& force_n) noexcept = 0;
-  /// Torque and gripper force that go out with the next write, and with that one only: a write
-  /// without a call before it sends neither. In the servo's thread. Ignored by a device without
-  /// motors for them.
+  /// Torque and gripper force of the next write only: a write without a preceding call sends
+  /// neither. In the servo's thread. Ignored by a device without motors for them.
   virtual void set_wrist(const WristCommand& command) noexcept { static_cast<void>(command); }
   /// One setting that only this device has, such as "firmware FILE" or "speed 100", or "device
   /// WHICH" (an index, serial number or path) before it is opened. Empty when accepted, else one
   /// sentence with what was expected. Takes effect between two ticks or at the next opening.
   [[nodiscard]] virtual std::string configure(std::span<const std::string> words);
   [[nodiscard]] virtual Identity identity() const { return {}; }
-  /// One sentence on what is wrong with the opened device now and what to do about it; empty when
-  /// nothing is. From any thread that may wait, also while read and write run.
+  /// One sentence on a problem of the opened device and its remedy; empty if there is none. From
+  /// any thread that may wait, also while read and write run.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
 
   /// True when the device's own driver calls the servo's step.

@@ -8,8 +8,9 @@
 namespace tactus::haptic {
 
 /// Timeout of the force in a driver that holds the last command, in its own thread or in the
-/// device: when the servo has not written for 50 ms the force is zero. After the servo writes again
-/// the force returns by a linear ramp of 0.1 s, since the force chain does not know of the pause.
+/// device: the force is zero when the servo has not written for 50 ms. When the servo writes again,
+/// the force returns by a linear ramp of 0.1 s, because the force chain is not informed of the
+/// pause.
 class ForceTimeout {
 public:
   static constexpr double kTimeout_s = 0.05, kReturn_s = 0.1;

@@ -103,8 +103,9 @@ PathPoint Hand::point() const noexcept {
 
 void Hand::advance(const Vec3& handle) noexcept {
   if (settings_.hold == HandSettings::Hold::kPerson) {
-    // The person yields to the force of the spring, which contains the own tremor. Yielding to the
-    // handle's distance from the intended point would integrate the tremor to a random walk.
+    // The person yields to the force of the spring, which contains the person's own tremor.
+    // Yielding to the handle's distance from the intended point would integrate the tremor to a
+    // random walk.
     if (settings_.yield_s > 0.0) {
       yield_velocity_ = (handle - point().position) * (1.0 / settings_.yield_s);
       yield_displacement_ = limited(yield_displacement_ + yield_velocity_ * period_s_, kMaxYield_m);

@@ -24,7 +24,7 @@ public:
   static constexpr double kUsualInterval_s = 0.01;
   static constexpr double kMinInterval_s = 1e-3, kMaxInterval_s = 0.04;
 
-  /// The next position is then taken at once.
+  /// The next position is then returned without interpolation.
   void reset() noexcept { *this = {}; }
   /// The interpolated position at time_s, given the newest position known then. A position or time
   /// that is not finite, or a time before the last one, changes nothing.

@@ -22,9 +22,9 @@ struct PathRow {
   std::uint32_t buttons;
 };
 
-/// A path through given points, linearly interpolated. Before the first and after the last row the
-/// position is held. Buttons hold from their row to the next. Two rows of the same time make a
-/// jump.
+/// A path through given points, linearly interpolated. The position is constant before the first
+/// and after the last row. Buttons keep their state from their row to the next. Two rows of the
+/// same time make a jump.
 class RowPath {
 public:
   /// Rows in order of time, as files/path_file.hpp reads them.

@@ -16,8 +16,8 @@ namespace tactus::haptic {
 ///   M x'' = F + K_h (x_h - x) + B_h (v_h - v) - B v     on each axis
 /// The step is exact for F, x_h and v_h held over a tick (zero_order_hold.hpp). The device advances
 /// in read(), by the number of ticks since the last read, so that the same ticks and forces give
-/// the same bits. stop_m outside the workspace a hard stop (20 kN/m, critically damped) pushes back
-/// and never pulls.
+/// the same bits. A hard stop (20 kN/m, critically damped) at stop_m outside the workspace pushes
+/// the handle back and never pulls.
 class SimulatedDevice final : public Backend {
 public:
   static constexpr int kMaxLatency_ticks = 8;

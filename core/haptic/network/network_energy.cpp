@@ -6,7 +6,7 @@
 /// NetworkModel's energy and its limit.
 namespace tactus::haptic {
 namespace {
-// Energy lost for longer than this does not return; shorter dips are an error of the scheme.
+// Losses that last longer are final; shorter dips of the energy are an error of the scheme.
 constexpr double kBudgetTimeConstant_s = 0.05;
 constexpr double kRounding = 1e-9; // of the elastic and kinetic energy
 } // namespace

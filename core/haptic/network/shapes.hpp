@@ -25,9 +25,9 @@ struct NetworkString {
   double mass_kg = 1e-3;                  ///< of all masses together
   double tension_n = 10;
   double damping_n_s_per_m = 1e-3; ///< of each link, along and across
-  /// k of each link along the string; T/d where less is given. At k = T/d the rest length is 0 and
-  /// the string is linear; above, the rest length is d - T/k and the tension grows with the
-  /// amplitude.
+  /// k of each link along the string, at least T/d (smaller values count as T/d). At k = T/d the
+  /// rest length is 0 and the string is linear; above, the rest length is d - T/k and the tension
+  /// grows with the amplitude.
   double stiffness_n_per_m = 0;
 };
 [[nodiscard]] NetworkPart make_string(const NetworkString& string);

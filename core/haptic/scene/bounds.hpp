@@ -12,7 +12,8 @@ struct Bounds {
   Vec3 low{}, high{};
 };
 
-/// A straight motion between two points, with what its test against many boxes needs.
+/// A straight motion between two points, with values computed in advance for tests against many
+/// boxes.
 class Segment {
 public:
   Segment(const Vec3& from, const Vec3& to) noexcept : from_(from) {

@@ -6,11 +6,12 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr int kMaxPasses =
-    32;                      // each follows a curved or finely meshed surface by one tangent plane
+/// Each pass follows a curved or finely meshed surface by one tangent plane.
+constexpr int kMaxPasses = 32;
 constexpr int kMaxFaces = 6; // faces found in one pass
 constexpr double kConverged_m = 1e-13;
-constexpr double kSlipTolerance = 1e-7; // of the friction force, where the proxy slips no further
+constexpr double kSlipTolerance = 1e-7; // of the friction force; the proxy counts as stuck within
+                                        // it
 constexpr double kLastPart = 0.01, kMaxFactor = 0.7; // of the slip: see settle()
 constexpr double kResting_m = 1e-9;      // distance within which the proxy lies on a face
 constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a rotated box
@@ -141,8 +142,8 @@ Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& s
                  obstacle.pose.to_local(to), surroundings.work);
     if (surroundings.work.exhausted())
       break;
-    // Of two met at the same fraction the one with the lower slot counts, whatever the order of the
-    // tests.
+    // Of two bodies met at the same fraction the one with the lower slot counts, independent of the
+    // order of the tests.
     if (!found ||
         (stop.hit && (found->fraction > stop.fraction ||
                       (found->fraction == stop.fraction && obstacle.slot > stop.touch.slot))))
@@ -178,7 +179,8 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
     double friction = 0;
     for (int step = 0; step < kMaxFaces; ++step) {
       Vec3 target = goal;
-      // Along a curved surface a rough proxy is now above the face: down to it, and not aside.
+      // After a step along a curved surface a proxy with friction is above the face: it moves
+      // straight down to it, not sideways.
       const bool down = faces.count == 0 && (press.x != 0.0 || press.y != 0.0 || press.z != 0.0);
       if (down) {
         target = proxy - std::exchange(press, Vec3{});
@@ -197,8 +199,9 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
           stuck = length <= held_back * (1.0 + kSlipTolerance);
           if (stuck)
             break;
-          // On a curved surface the rest of the slip changes by one factor from pass to pass. Its
-          // last part is the sum of that geometric series; where it grows there is no end nearby.
+          // On a curved surface the remaining slip changes by one factor from pass to pass. A small
+          // rest is taken at once, as the sum of that geometric series. If the slip grows, the end
+          // is not near.
           double excess = length - held_back;
           const double factor = excess / excess_before, last_part = kLastPart * held_back;
           excess_before = excess;
@@ -237,7 +240,7 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
     if (faces.count == 0 || norm(proxy - before) <= kConverged_m)
       break;
   }
-  if (faces.count == 0 && !result.complete) // those of the last pass that the proxy has not left
+  if (faces.count == 0 && !result.complete) // those of the last pass on which the proxy still lies
     for (const Touch& touch : std::span(before_faces.touch.data(), before_faces.count))
       if (dot(touch.normal, proxy - touch.point) > -kResting_m)
         faces.add(touch);

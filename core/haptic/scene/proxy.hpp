@@ -37,7 +37,7 @@ struct Touches {
       sum += one.normal * one.penetration_m;
     return sum;
   }
-  /// Adds a face, in place of one of the same body with the same normal; not a fourth one.
+  /// Adds a face or replaces one of the same body with the same normal. A fourth face is ignored.
   void add(const Touch& face) noexcept;
   /// Sets the penetrations of these faces for that goal. False, with nothing changed, where
   /// nearest_point() finds no solution.

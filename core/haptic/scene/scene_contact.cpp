@@ -102,8 +102,8 @@ void SceneModel::follow(const Vec3& goal, WorkLimit& work) noexcept {
   touches_ = found.touches;
 }
 
-/// Uses a result for which the work did not suffice: the proxy has moved a part of the way. Its
-/// faces carry the whole distance to the handle. After little progress the next tick tries a
+/// Uses a result for which the work did not suffice: the proxy has moved only part of the distance.
+/// Its faces carry the whole distance to the handle. After little progress the next tick tries a
 /// shorter motion, which costs less, and then longer ones again.
 void SceneModel::keep_incomplete(const Proxy::Result& result, const Vec3& goal,
                                  double attempted_m) noexcept {

@@ -42,9 +42,9 @@ void SceneModel::push_events(const Tick& tick) noexcept {
   }
 }
 
-/// Arms the next hit once the tool has been kRearm_m away from the body since the last release and
-/// that release is kRearm_s ago. One condition alone would count the chatter of a trembling handle
-/// at the surface as hits.
+/// Arms the next hit once the tool has been kRearm_m away from the body since the last release, and
+/// kRearm_s has passed since that release. With only one of the conditions, the chatter of a handle
+/// that trembles at the surface would count as hits.
 void SceneModel::rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept {
   if (slot.touching || slot.armed)
     return;

@@ -44,9 +44,9 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
     return;
   scene_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
 
-  // A tool that grows may overlap what it did not reach before.
+  // A larger tool may overlap bodies that the smaller one did not reach.
   const bool grows = scene_->tool_radius_m > tool_radius_m_;
-  // One that shrinks no longer touches the faces that held the proxy.
+  // A smaller tool no longer touches the faces that held the proxy.
   const bool shrinks = scene_->tool_radius_m < tool_radius_m_;
   tool_radius_m_ = scene_->tool_radius_m;
   std::array<Slot, Scene::kMaxBodies> next{};
@@ -107,9 +107,9 @@ void SceneModel::glide(Slot& slot) noexcept {
                    a.y + signed_share * b.y - share * a.y, a.z + signed_share * b.z - share * a.z);
 }
 
-/// Moves the proxy out of bodies that have appeared around it, by their nearest face; where that
-/// lies in another body, out of that one in turn. Where bodies leave no room for the tool the proxy
-/// stays and does not touch those that it overlaps.
+/// Moves the proxy out of bodies that have appeared around it, through their nearest faces; if an
+/// exit lies in another body, out of that body in turn. If the bodies leave no room for the tool,
+/// the proxy stays and does not touch those that it overlaps.
 void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   constexpr int kRounds = 8, kExitWork = 10;
   const std::size_t first = std::exchange(first_overlapping_, 0);
@@ -140,8 +140,8 @@ void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   }
 }
 
-/// The body that holds the proxy with the largest friction. Of several bodies that rub on it in
-/// different directions a proxy without mass follows that one.
+/// The body that holds the proxy with the largest friction. When several bodies rub on the proxy in
+/// different directions it follows this one, since it has no mass.
 std::size_t SceneModel::holding_body() const noexcept {
   std::size_t holder = Proxy::kNoSlot;
   double largest = -1;
@@ -161,9 +161,9 @@ std::size_t SceneModel::holding_body() const noexcept {
 }
 
 /// Moves the bodies by one tick. The body that holds the proxy takes it along; another body pushes
-/// a proxy in its way. Bodies move one after another, so that the proxy is outside of all of them
-/// after each motion. A body for which the work does not suffice keeps its pose until the next
-/// tick.
+/// a proxy that is in its path. Bodies move one after another, so that the proxy is outside of all
+/// of them after each motion. A body for which the work does not suffice keeps its pose until the
+/// next tick.
 void SceneModel::move_bodies(WorkLimit& work) noexcept {
   for (Obstacle& obstacle : std::span(near_bodies_.data(), near_body_count_)) {
     const Slot& slot = slots_[obstacle.slot];
@@ -198,7 +198,7 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
   const Slot& slot = slots_[index];
   const Vec3 local_before = slot.before.to_local(proxy_);
   Vec3 target = proxy_;
-  Touch face; // that pushes, in the pose before
+  Touch face; // the face that pushes, in the previous pose
   bool pushed = holds;
   if (holds) {
     target = slot.pose.to_world(local_before);
@@ -214,7 +214,7 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
     }
   }
   if (pushed) {
-    // Where another body is in the way the proxy stops there and the moving body passes over it.
+    // If another body is in the path, the proxy stops there and the moving body passes over it.
     const Proxy::Stop stop = Proxy::sweep(
         proxy_, target, {{near_bodies_.data(), near_body_count_}, tool_radius_m_, work}, index);
     if (stop.complete)

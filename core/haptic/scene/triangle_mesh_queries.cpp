@@ -44,8 +44,8 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 
 TriangleMesh::Approach TriangleMesh::Plate::approach(const Vec3& p, const Vec3& motion,
                                                      double length) const noexcept {
-  // Single precision makes the axis a little longer or shorter than 1: the distance is wrong by
-  // less than that part of the distance from the centre, the slope of the motion's length.
+  // Single precision makes the axis slightly longer or shorter than 1. The relative error of the
+  // distance from the centre and of the slope (to the length of the motion) is below kRounding.
   constexpr double kRounding = 3e-7;
   const Vec3 n{axis[0], axis[1], axis[2]}, from_centre = p - Vec3{centre[0], centre[1], centre[2]};
   const double height = dot(from_centre, n);
@@ -104,7 +104,8 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
       pending.entry = Segment::kNever;
     return pending;
   };
-  // Many plates lie within one radius of a sphere, all entered at 0: of these the nearest first.
+  // A sphere may overlap many plates at once, all entered at 0: the nearest of these is visited
+  // first.
   const auto visited_later = [](const PendingNode& a, const PendingNode& b) {
     return a.entry > b.entry || (a.entry == b.entry && a.distance > b.distance);
   };

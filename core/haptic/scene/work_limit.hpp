@@ -5,10 +5,10 @@
 
 namespace tactus::haptic {
 
-/// The work that a tick may still do, in operations, not in time, so that a run repeats bit for bit
-/// on any machine. One unit takes about 6 ns on a desktop processor of the 2020s
-/// (bench_haptic_speed). When it is exhausted a search is incomplete and its result must not be
-/// used.
+/// The work that a tick may still do. It is counted in operations instead of time, so that a run
+/// repeats bit for bit on any machine. One unit takes about 6 ns on a desktop processor of the
+/// 2020s (bench_haptic_speed). When it is exhausted a search is incomplete and its result must not
+/// be used.
 class WorkLimit {
 public:
   static constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();

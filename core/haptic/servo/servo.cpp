@@ -14,7 +14,7 @@ ChainSettings::Device device_of(const Caps& caps) noexcept {
   return device;
 }
 
-/// Whether the position is one.
+/// Whether the device has found its origin and the position is valid.
 bool is_located(const State& state) noexcept {
   return (state.flags & State::kHomed) && !(state.flags & State::kUnreachable);
 }
@@ -100,7 +100,7 @@ void Servo::control_motors() noexcept {
   }
   if (!request.on || request.paused) {
     motors(chain_, false);
-  } else if (!chain_.motors) { // after a pause: an emergency stop stays
+  } else if (!chain_.motors) { // after a pause: an emergency stop remains in effect
     const bool latched = chain_.latched;
     motors(chain_, true);
     chain_.latched = latched;
@@ -138,15 +138,15 @@ State Servo::read_state(const Tick& tick) noexcept {
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
                        ? settings_.map.to_project(raw.velocity)
                        : estimator_.update(state.position, tick.time_s);
-  if (!is_located(state)) { // the origin may change, which is no motion
+  if (!is_located(state)) { // the origin may still change, which is no motion
     state.velocity = {};
     estimator_.reset();
   }
   return state;
 }
 
-/// While the device does not know where it is the models see it stand still where it was; once it
-/// does they begin there, so that the leap in between strikes nothing.
+/// While the device has no valid position, the models get the last valid one. When it becomes valid
+/// they are restarted there, so that the jump of the position produces no contact.
 State Servo::shown_to_models(const State& state) noexcept {
   const bool located = is_located(state);
   if (located && !located_)

@@ -113,16 +113,17 @@ class Servo {
 public:
   static constexpr std::uint64_t kStatisticsTicks = 128;
 
-  /// Starts with zero force and a new chain; an emergency stop and a failure of the last device
-  /// hold until the motors are enabled, and the statistics go on until they are reset. `model` must
-  /// be passive. The force of `patch` is treated like the host's commands, but not interpolated:
-  /// the passivity controller allows its work up to allowance_w. Not while a step runs.
+  /// Starts with zero force and a new chain. An emergency stop and a failure of the last device
+  /// stay in effect until the motors are enabled; the statistics continue until they are reset.
+  /// `model` must be passive. The force of `patch` is treated like the host's commands, but not
+  /// interpolated: the passivity controller allows its work up to allowance_w. Not while a step
+  /// runs.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
-  /// Sets the heat of the motors, N^2 (thermal.hpp), before attach(), which else keeps that of the
-  /// last device. Not while a step runs.
+  /// Sets the heat of the motors, N^2 (thermal.hpp), before attach(); without it attach() keeps the
+  /// heat of the last device. Not while a step runs.
   void set_motor_heat(double heat_n2) noexcept { chain_.thermal = ThermalLimit(heat_n2); }
-  /// Goes on from the statistics of the servo that this one replaces. Not while a step runs.
+  /// Continues the statistics of the servo that this one replaces. Not while a step runs.
   void continue_statistics(const Report& last, const ServoStatistics& statistics) noexcept;
   /// Reads the device's Caps again after they have changed. Not while a step runs.
   void refresh_caps() noexcept;
@@ -137,7 +138,7 @@ public:
   [[nodiscard]] double deadline_s() const noexcept { return pacer_.deadline_s(); }
   /// Runs the tick that is due; its lateness and duration go into the statistics.
   void wake(Clock& clock) noexcept;
-  /// Runs one tick now, for a driver that keeps the time itself. The lateness is the time since the
+  /// Runs one tick now, for a driver that has its own timing. The lateness is the time since the
   /// last tick beyond the period.
   void step_from_driver(Clock& clock, double period_s) noexcept;
 

@@ -17,7 +17,7 @@ void SignalLink::count_block(double duration_s) noexcept {
     max_block_s_.store(duration_s, std::memory_order_relaxed);
 }
 
-/// The vibration acts along the normal of the touched face, or along z without a contact.
+/// Force of the vibration: along the normal of the touched face, or along z without a contact.
 Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
   const auto touches = scene_ ? scene_->touches() : std::span<const Touch>{};
   if (!std::isfinite(newton) || (touches.empty() && gated))
@@ -31,7 +31,7 @@ Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
 double SignalLink::next_vibration() noexcept {
   const std::size_t queued = vibrations_.size();
   if (!playing_ && queued < kVibrationDelay)
-    return last_vibration_ *= 0.5; // no step to zero
+    return last_vibration_ *= 0.5; // decays instead of a step to zero
   playing_ = true;
   if (queued > kMaxQueuedVibration)
     for (std::size_t i = kVibrationDelay; i < queued; ++i)
@@ -40,7 +40,7 @@ double SignalLink::next_vibration() noexcept {
   return last_vibration_;
 }
 
-/// Dropped samples are not counted, so that the counts of both sides agree.
+/// Dropped samples are not counted, so that both sides have the same count.
 void SignalLink::send_network() noexcept {
   if (network_)
     for (const NetworkSample& sample : network_->samples())

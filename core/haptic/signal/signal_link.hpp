@@ -25,7 +25,7 @@ public:
     Vec3 force_n{};
     double time_s = 0; ///< wall time only: when the audio wrote it
   };
-  /// What the servo reports to the audio in one tick.
+  /// The servo's report to the audio in one tick.
   struct Sample {
     double time_s = 0;
     Vec3 position{}; ///< m
@@ -55,7 +55,7 @@ public:
   void set_scene(const SceneModel& scene) noexcept { scene_ = &scene; }
   /// The network whose pickups are played. Its force() must be called before this one's.
   void set_network(const NetworkModel& network) noexcept { network_ = &network; }
-  /// Number of audio blocks, to see whether audio runs, and duration of the longest.
+  /// Number of audio blocks (which shows whether audio runs), and duration of the longest.
   [[nodiscard]] std::uint64_t blocks() const noexcept {
     return blocks_.load(std::memory_order_relaxed);
   }
@@ -87,7 +87,7 @@ public:
   /// Logical time: runs the tick that is due then with these signals and returns its result. NaN:
   /// a period after the last one.
   Sample step(const Vec3& force_n, double vibration_n, bool gated, double due_s) noexcept;
-  /// Logical time: the last tick, whoever stepped it; its time is NaN before the first.
+  /// Logical time: the last tick, run by any object; its time is NaN before the first.
   [[nodiscard]] const Sample& last_tick() const noexcept { return tick_sample_; }
   /// Wall time: the newest force counts.
   void write_force(const Force& force) noexcept { forces_.write(force); }

@@ -2,8 +2,8 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kMaxPlayoutError_s =
-    0.1;                                // a larger error than this and the delay restarts playout
+/// Playout restarts when its error exceeds this plus the delay.
+constexpr double kMaxPlayoutError_s = 0.1;
 constexpr double kRateGain_per_s = 2.0; // rate correction per second of playout error
 // Small enough for the pitch change of a sound controlled by the position to be inaudible.
 constexpr double kMaxRateCorrection = 0.02;
@@ -160,8 +160,8 @@ void SignalPlayer::collect() noexcept {
   playing_ = true;
 }
 
-/// The time to play now: the set delay behind the newest sample, or more while audio is computed in
-/// bursts, during which playout runs ahead by half their length in the mean.
+/// The time to play now: behind the newest sample by the set delay, or by more while audio is
+/// computed in bursts. During a burst playout runs ahead by half of its length on average.
 double SignalPlayer::target_time_s() const noexcept {
   const double min_delay_s = std::min(0.5 * max_since_newest_s_ + kJitterMargin_s, kMaxBurst_s);
   return newest(0).time_s - std::max(delay_s_, min_delay_s);

@@ -13,14 +13,14 @@ namespace tactus::haptic {
 /// The audio side of a SignalLink: input samples become forces of the servo, the servo's positions
 /// become output samples.
 ///
-/// Logical time: each tick runs at the first sample at or after the time at which it is due, a
-/// period after the last one whoever stepped that, and reads that sample.
-/// Between ticks the output is interpolated linearly from the last position to the present one; it
-/// is one servo period late. The result does not depend on the block size.
+/// Logical time: a tick is due one period after the last one, whichever object has run that. It
+/// runs at the first sample at or after this time and reads that sample. Between ticks the output
+/// is interpolated linearly from the last position to the present one, so it is one servo period
+/// late. The result does not depend on the block size.
 ///
 /// Wall time: the last sample of a block is the force. Positions are read from a buffer, delay_s
-/// behind the newest, at a rate that follows the drift between the two clocks. Where the host
-/// computes blocks in bursts longer than the delay covers, the delay grows as needed.
+/// behind the newest, at a rate that follows the drift between the two clocks. If the host computes
+/// blocks in bursts longer than the delay, the delay grows as needed.
 ///
 /// The network's pickups are interpolated between their steps by a cubic and played with the
 /// positions, one of their own sample periods later.
@@ -44,8 +44,8 @@ public:
   void attach(SignalLink* link) noexcept;
 
   /// Before and after a block. start_s: logical time of its first sample on the clock of the link's
-  /// origin; without it the ticks begin at the first sample and go on a period after each other.
-  /// wall_s is the present wall-clock time.
+  /// origin; without it the first tick is at the first sample and the others follow one period
+  /// apart. wall_s is the present wall-clock time.
   void begin_block(std::size_t frames,
                    double start_s = std::numeric_limits<double>::quiet_NaN()) noexcept;
   void end_block(double wall_s) noexcept;

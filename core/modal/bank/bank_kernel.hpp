@@ -10,16 +10,16 @@
 /// The interface to the inner loops of the mode bank. Each instruction set has its own copy of
 /// them.
 ///
-/// The bank computes modes in blocks of kLanes and time in leaps of kLeap samples. A leap is one
-/// step of a block state-space recursion: one complex state per mode at its beginning gives all its
-/// samples, and one product by p^kLeap gives the next state.
+/// The bank computes modes in blocks of kLanes and time in blocks of kTimeBlock samples ("time
+/// blocks"). A time block is one step of a block state-space recursion: one complex state per mode
+/// at its beginning gives all its samples, and one product by p^kTimeBlock gives the next state.
 namespace tactus::modal {
 
-inline constexpr std::size_t kLanes = 64; ///< modes in a block
-inline constexpr std::size_t kLeap = 16;  ///< samples in a leap
-inline constexpr std::size_t kHalfLeap = kLeap / 2;
-inline constexpr std::size_t kMaxLeaps = 4; ///< in one call
-inline constexpr std::size_t kMaxSamples = kLeap * kMaxLeaps;
+inline constexpr std::size_t kLanes = 64;     ///< modes in a block
+inline constexpr std::size_t kTimeBlock = 16; ///< samples in a time block
+inline constexpr std::size_t kHalfTimeBlock = kTimeBlock / 2;
+inline constexpr std::size_t kMaxTimeBlocks = 4; ///< in one call
+inline constexpr std::size_t kMaxSamples = kTimeBlock * kMaxTimeBlocks;
 inline constexpr std::size_t kMaxPickupParts = 12; ///< pick-ups in one call
 
 /// One real number for each mode of a block.
@@ -33,16 +33,18 @@ struct alignas(64) ComplexLane {
 /// The poles p = exp(s T) of a block of modes, s their rates in 1/s and T a sample's length.
 ///
 /// Where the decays differ, power[m] holds p^(m + 1). Where the modes share a decay (shares_decay),
-/// power[m], m < kHalfLeap, holds cos and sin of omega T (m + 1/2), and the entries at the indices
-/// below hold the powers that move a state between the beginning and the middle of a leap.
+/// power[m], m < kHalfTimeBlock, holds cos and sin of omega T (m + 1/2), and the entries at the
+/// indices below hold the powers that move a state between the beginning and the middle of a time
+/// block.
 struct alignas(64) PoleBlock {
-  ComplexLane power[kLeap];
+  ComplexLane power[kTimeBlock];
   bool shares_decay = false;
   std::uint32_t decay_index = 0; ///< in BankView::decays, where shares_decay
 
-  static constexpr std::size_t kWholeLeap = 8, kToMiddle = 9, kFromMiddle = 10, kOneSample = 11;
-  [[nodiscard]] const ComplexLane& whole_leap() const noexcept {
-    return power[shares_decay ? kWholeLeap : kLeap - 1];
+  static constexpr std::size_t kWholeTimeBlock = 8, kToMiddle = 9, kFromMiddle = 10,
+                               kOneSample = 11;
+  [[nodiscard]] const ComplexLane& whole_time_block() const noexcept {
+    return power[shares_decay ? kWholeTimeBlock : kTimeBlock - 1];
   }
   [[nodiscard]] const ComplexLane& one_sample() const noexcept {
     return power[shares_decay ? kOneSample : 0];
@@ -50,13 +52,13 @@ struct alignas(64) PoleBlock {
 };
 /// exp(-alpha T (m + 1/2)) and its inverse, for the alpha that several blocks share.
 struct CommonDecay {
-  float fall[kHalfLeap], rise[kHalfLeap];
+  float fall[kHalfTimeBlock], rise[kHalfTimeBlock];
 };
 
-/// The data of a bank that a kernel works on. The state z of a mode follows
-/// z[n] = p z[n-1] + b T F[n], and the output of a pick-up with complex weight w is the sum of
-/// Im(w z) over the modes. Blocks with shares_decay store p^8.5 z, the state in the middle of the
-/// next leap. Blocks that are not listed as active hold zeros and are skipped.
+/// The data of a bank that a kernel works on. The state z of a mode follows z[n] = p z[n-1] + b T
+/// F[n], and the output of a pick-up with complex weight w is the sum of Im(w z) over the modes.
+/// Blocks with shares_decay store p^8.5 z, the state in the middle of the next time block. Blocks
+/// that are not listed as active hold zeros and are skipped.
 struct BankView {
   const PoleBlock* poles = nullptr;
   const CommonDecay* decays = nullptr;
@@ -77,28 +79,30 @@ struct BankPickup {
 class BankKernel {
 public:
   virtual ~BankKernel() = default;
-  /// Computes whole leaps: the output of the states at the beginning of each leap, and the states
-  /// after the last. Forces change the states; their output within their own leap is left out and
-  /// is added by feedthrough().
-  virtual void run(const BankView&, std::size_t leaps, std::span<const BankDrive>,
+  /// Computes whole time blocks: the output of the states at the beginning of each time block, and
+  /// the states after the last. Forces change the states; feedthrough() adds their output within
+  /// their own time block.
+  virtual void run(const BankView&, std::size_t time_blocks, std::span<const BankDrive>,
                    std::span<const BankPickup>) const noexcept = 0;
-  /// The outputs of samples `first` to `first + count` of one leap; the states stay as they are.
+  /// The outputs of samples `first` to `first + count` of one time block. Does not change the
+  /// states.
   virtual void output_samples(const BankView&, std::size_t first, std::size_t count,
                               std::span<const BankPickup>) const noexcept = 0;
-  /// Moves the states by the first `samples` <= kLeap of a leap, driven by the forces meanwhile.
+  /// Advances the states by `samples` <= kTimeBlock under the forces, from the start of a time
+  /// block.
   virtual void advance(const BankView&, std::size_t samples,
                        std::span<const BankDrive>) const noexcept = 0;
-  /// Adds the output of forces within their own leap (the direct term of a state-space model):
-  /// out[i] += sum over j <= i of force[j] response[kLeap + i - j], for each of `leaps` leaps.
-  /// `response` has 2 kLeap entries: kLeap zeros, then impulse_response().
-  virtual void feedthrough(const float* force, const float* response, std::size_t leaps,
+  /// Adds the output of forces within their own time block (the direct term of a state-space
+  /// model): out[i] += sum over j <= i of force[j] response[kTimeBlock + i - j], for each of
+  /// `time_blocks`. `response` has 2 kTimeBlock entries: kTimeBlock zeros, then impulse_response().
+  virtual void feedthrough(const float* force, const float* response, std::size_t time_blocks,
                            float* out) const noexcept = 0;
-  /// The output within a leap for a force of 1 N at its first sample: out[m] = sum over the modes
-  /// of all `blocks` of Im(w b T p^m), m = 0 ... kLeap - 1.
+  /// The output within a time block for a force of 1 N at its first sample: out[m] = sum over the
+  /// modes of all `blocks` of Im(w b T p^m), m = 0 ... kTimeBlock - 1.
   virtual void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
                                 std::size_t blocks, float* out) const noexcept = 0;
   /// c += a b, matrices row by row: a [rows][inner], b [inner][columns], c [rows][columns];
-  /// `columns` a multiple of kLeap.
+  /// `columns` a multiple of kTimeBlock.
   virtual void accumulate(const float* a, const float* b, float* c, std::size_t rows,
                           std::size_t inner, std::size_t columns) const noexcept = 0;
 };

@@ -3,24 +3,25 @@
 #include "core/modal/bank/bank_tiles.hpp"
 
 /// The loops of BankKernel, written once for any instruction set. Every function is a template on
-/// the set, so that the linker never takes a newer processor's code for an older one's.
+/// the set, so that the linker cannot use code for a newer processor in place of code for an older
+/// one.
 ///
-/// Modes lie across vector lanes. The outputs of a leap of 16 samples are products of the state at
-/// its beginning with a table of the pole's powers, and the state at its end is a product of the
-/// forces with the same table (block recursion of a state-space filter). No sample waits for the
-/// one before, rounding enters once in 16 samples, and the pitch is as exact as the table. One
-/// force and one pick-up cost 4 fused multiply-adds a mode and sample, and 10 a leap for gains and
-/// the state.
+/// Modes lie across vector lanes. The outputs of a time block of 16 samples are products of the
+/// state at its beginning with a table of the pole's powers, and the state at its end is a product
+/// of the forces with the same table (block recursion of a state-space filter). No sample waits for
+/// the one before, rounding enters once in 16 samples, and the pitch is as exact as the table. One
+/// force and one pick-up cost 4 fused multiply-adds per mode and sample, and 10 per mode and time
+/// block for gains and the state.
 ///
-/// Modes that share a decay cost half. With c = w z in the middle of the leap, an undamped mode
-/// gives E + O at a time t after the middle and E - O at the same time before it, where
-/// E = Im(c) cos(omega t) and O = Re(c) sin(omega t): one product for two samples. The common decay
-/// is multiplied in afterwards. A mode's own decay may differ from it by at most
-/// ModeBank::kMaxDecayMismatch; within a leap the error is that difference times 8 samples, and it
-/// does not add up, because the step of the state is exact.
+/// Modes that share a decay cost half. With c = w z in the middle of the time block, an undamped
+/// mode gives E + O at a time t after the middle and E - O at the same time before it, where E =
+/// Im(c) cos(omega t) and O = Re(c) sin(omega t): one product for two samples. The common decay is
+/// multiplied in afterwards. A mode's own decay may differ from it by at most
+/// ModeBank::kMaxDecayMismatch. Within a time block the error is that difference times 8 samples.
+/// It does not accumulate, because the step of the state is exact.
 ///
 /// In both cases the output is a sum of Im(c) times the powers' real parts and of Re(c) times their
-/// imaginary parts, over kLeap or kHalfLeap times (BankTiles).
+/// imaginary parts, over kTimeBlock or kHalfTimeBlock times (BankTiles).
 namespace tactus::modal {
 
 template <class Set> class BankLanes final : public BankKernel {
@@ -52,62 +53,65 @@ template <class Set> class BankLanes final : public BankKernel {
             Tiles::fma(a.real, b.imaginary, Tiles::fma(a.imaginary, b.real, c.imaginary))};
   }
 
-  /// Sums and differences of force samples that lie symmetrically about the middle of a leap, with
-  /// the common decay multiplied in: the input of blocks that share a decay.
+  /// Sums and differences of force samples that lie symmetrically about the middle of a time block,
+  /// with the common decay multiplied in: the input of blocks that share a decay.
   struct Folded {
     static constexpr std::size_t kMaxDrives = 72;
-    float sums[kMaxDrives][kMaxLeaps * kHalfLeap];
-    float differences[kMaxDrives][kMaxLeaps * kHalfLeap];
+    float sums[kMaxDrives][kMaxTimeBlocks * kHalfTimeBlock];
+    float differences[kMaxDrives][kMaxTimeBlocks * kHalfTimeBlock];
   };
-  static void fold(const float* force, const CommonDecay& decay, std::size_t leaps, float* sums,
-                   float* differences) noexcept {
-    for (std::size_t l = 0; l < leaps; ++l)
-      for (std::size_t m = 0; m < kHalfLeap; ++m) {
-        const float before = force[l * kLeap + kHalfLeap - 1 - m] * decay.fall[m];
-        const float after = force[l * kLeap + kHalfLeap + m] * decay.rise[m];
-        sums[l * kHalfLeap + m] = before + after;
-        differences[l * kHalfLeap + m] = before - after;
+  static void fold(const float* force, const CommonDecay& decay, std::size_t time_blocks,
+                   float* sums, float* differences) noexcept {
+    for (std::size_t l = 0; l < time_blocks; ++l)
+      for (std::size_t m = 0; m < kHalfTimeBlock; ++m) {
+        const float before = force[l * kTimeBlock + kHalfTimeBlock - 1 - m] * decay.fall[m];
+        const float after = force[l * kTimeBlock + kHalfTimeBlock + m] * decay.rise[m];
+        sums[l * kHalfTimeBlock + m] = before + after;
+        differences[l * kHalfTimeBlock + m] = before - after;
       }
   }
 
-  /// The input of a tile's modes in leaps l to l + Leaps, before the gains: sum of p^(15 - j) F[j].
+  /// The input of a tile's modes in time blocks from l on, before the gains: sum of p^(15 - j)
+  /// F[j].
   // Seven arguments, as add_output() below: always inlined, so that they stay in registers.
-  template <std::size_t Leaps>
+  template <std::size_t TimeBlocks>
   [[gnu::always_inline]] static void
   gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
-         std::size_t d, std::size_t l, typename Tiles::template TileSum<Leaps>& sum) noexcept {
+         std::size_t d, std::size_t l, typename Tiles::template TileSum<TimeBlocks>& sum) noexcept {
     const bool shares_decay = poles.shares_decay;
-    const float* const force = drive.force + l * kLeap;
-    for (std::size_t i = 0; i < Leaps; ++i)
+    const float* const force = drive.force + l * kTimeBlock;
+    for (std::size_t i = 0; i < TimeBlocks; ++i)
       for (std::size_t r = 0; r < kRegisters; ++r) {
-        sum.real[i][r] = shares_decay ? V{} : Tiles::all(force[i * kLeap + kLeap - 1]); // p^0
+        sum.real[i][r] =
+            shares_decay ? V{} : Tiles::all(force[i * kTimeBlock + kTimeBlock - 1]); // p^0
         sum.imaginary[i][r] = V{};
       }
     if (shares_decay)
-      Tiles::template gather<Leaps>(
-          [&](std::size_t m) -> const ComplexLane& { return poles.power[m]; }, at, kHalfLeap,
-          folded.sums[d] + l * kHalfLeap, folded.differences[d] + l * kHalfLeap, kHalfLeap, sum);
+      Tiles::template gather<TimeBlocks>(
+          [&](std::size_t m) -> const ComplexLane& { return poles.power[m]; }, at, kHalfTimeBlock,
+          folded.sums[d] + l * kHalfTimeBlock, folded.differences[d] + l * kHalfTimeBlock,
+          kHalfTimeBlock, sum);
     else
-      Tiles::template gather<Leaps>(
-          [&](std::size_t j) -> const ComplexLane& { return poles.power[kLeap - 2 - j]; }, at,
-          kLeap - 1, force, force, kLeap, sum); // p^(15 - j)
+      Tiles::template gather<TimeBlocks>(
+          [&](std::size_t j) -> const ComplexLane& { return poles.power[kTimeBlock - 2 - j]; }, at,
+          kTimeBlock - 1, force, force, kTimeBlock, sum); // p^(15 - j)
   }
 
-  /// Stores a block's states at the beginning (or in the middle) of each leap in `states`, times
-  /// `weight` if there is one, and moves the block to the end of the last leap.
+  /// Stores a block's states at the beginning (or in the middle) of each time block in `states`,
+  /// times `weight` if there is one, and advances the block to the end of the last time block.
   // Seven arguments: a call for a whole block of poles, whose loops take far longer than the call.
-  template <std::size_t Leaps>
+  template <std::size_t TimeBlocks>
   [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
                                      std::span<const BankDrive> drives, const Folded& folded,
-                                     const ComplexLane* weight, LeapPlanes& states,
+                                     const ComplexLane* weight, TimeBlockPlanes& states,
                                      std::size_t b) noexcept {
-    constexpr std::size_t kTile = Leaps < Tiles::kLeaps ? Leaps : Tiles::kLeaps;
+    constexpr std::size_t kTile = TimeBlocks < Tiles::kTimeBlocks ? TimeBlocks : Tiles::kTimeBlocks;
     using Input = typename Tiles::template TileSum<kTile>;
     const PoleBlock& poles = bank.poles[block];
 #pragma GCC unroll 1
     for (std::size_t at = 0; at < kLanes; at += Tiles::kStep)
 #pragma GCC unroll 1
-      for (std::size_t first = 0; first < Leaps; first += kTile) {
+      for (std::size_t first = 0; first < TimeBlocks; first += kTile) {
         Input input{};
         for (std::size_t d = 0; d < drives.size(); ++d) {
           Input sum;
@@ -122,7 +126,7 @@ template <class Set> class BankLanes final : public BankKernel {
         }
         for (std::size_t r = 0; r < kRegisters; ++r) {
           const std::size_t i = at + r * kWidth;
-          const Complex leap = load(poles.whole_leap(), i);
+          const Complex block_pole = load(poles.whole_time_block(), i);
           Complex z = load(bank.state[block], i);
           const Complex w = weight ? load(weight[block], i) : Complex{};
           for (std::size_t l = 0; l < kTile; ++l) {
@@ -131,9 +135,9 @@ template <class Set> class BankLanes final : public BankKernel {
             Tiles::store(states.imaginary[first + l][b], i, out.imaginary);
             const Complex add{input.real[l][r], input.imaginary[l][r]};
             if (poles.shares_decay)
-              z = product(leap, {z.real + add.real, z.imaginary + add.imaginary});
+              z = product(block_pole, {z.real + add.real, z.imaginary + add.imaginary});
             else
-              z = multiply_add(leap, z, add);
+              z = multiply_add(block_pole, z, add);
           }
           store(bank.state[block], i, z);
         }
@@ -141,13 +145,13 @@ template <class Set> class BankLanes final : public BankKernel {
   }
 
   /// weighted = weight times states.
-  template <std::size_t Leaps>
-  static void apply_weight(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
-                           LeapPlanes& weighted) noexcept {
+  template <std::size_t TimeBlocks>
+  static void apply_weight(const ComplexLane& weight, const TimeBlockPlanes& states, std::size_t b,
+                           TimeBlockPlanes& weighted) noexcept {
 #pragma GCC unroll 1
     for (std::size_t at = 0; at < kLanes; at += kWidth) {
       const Complex w = load(weight, at);
-      for (std::size_t l = 0; l < Leaps; ++l) {
+      for (std::size_t l = 0; l < TimeBlocks; ++l) {
         const Complex c = product(
             w, {Tiles::load(states.real[l][b], at), Tiles::load(states.imaginary[l][b], at)});
         Tiles::store(weighted.real[l][b], at, c.real);
@@ -157,27 +161,29 @@ template <class Set> class BankLanes final : public BankKernel {
   }
 
   /// The two sums of one pick-up over blocks of one kind, not yet added up over their lanes.
-  template <std::size_t Leaps> struct Sums {
-    V real[Leaps * kLeap], imaginary[Leaps * kLeap]; // with the powers' real and imaginary parts
+  template <std::size_t TimeBlocks> struct Sums {
+    V real[TimeBlocks * kTimeBlock],
+        imaginary[TimeBlocks * kTimeBlock]; // with the powers' real and imaginary parts
     void clear(std::size_t times) noexcept {
-      for (std::size_t n = 0; n < Leaps * times; ++n)
+      for (std::size_t n = 0; n < TimeBlocks * times; ++n)
         real[n] = imaginary[n] = V{};
     }
   };
   // Seven arguments: always inlined, so that they stay in registers.
-  template <std::size_t Leaps, std::size_t Times>
-  [[gnu::always_inline]] static void
-  add_output(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& weighted,
-             std::size_t first, std::size_t times, bool from_zero, Sums<Leaps>& sums) noexcept {
-    const float *real[LeapPlanes::kMaxBlocks], *imaginary[LeapPlanes::kMaxBlocks];
+  template <std::size_t TimeBlocks, std::size_t Times>
+  [[gnu::always_inline]] static void add_output(const PoleBlock* const* poles, std::size_t blocks,
+                                                const TimeBlockPlanes& weighted, std::size_t first,
+                                                std::size_t times, bool from_zero,
+                                                Sums<TimeBlocks>& sums) noexcept {
+    const float *real[TimeBlockPlanes::kMaxBlocks], *imaginary[TimeBlockPlanes::kMaxBlocks];
     for (std::size_t b = 0; b < blocks; ++b) {
       real[b] = poles[b]->power[first].real.v;
       imaginary[b] = poles[b]->power[first].imaginary.v;
     }
-    Tiles::template add_output<Leaps, Times>(real, blocks, weighted.imaginary, sums.real + first,
-                                             times, from_zero);
-    Tiles::template add_output<Leaps, Times>(imaginary, blocks, weighted.real,
-                                             sums.imaginary + first, times, from_zero);
+    Tiles::template add_output<TimeBlocks, Times>(real, blocks, weighted.imaginary,
+                                                  sums.real + first, times, from_zero);
+    Tiles::template add_output<TimeBlocks, Times>(imaginary, blocks, weighted.real,
+                                                  sums.imaginary + first, times, from_zero);
   }
 
   [[gnu::always_inline]] static float after_middle(const CommonDecay& decay, std::size_t m,
@@ -188,13 +194,13 @@ template <class Set> class BankLanes final : public BankKernel {
                                                     float even, float odd) noexcept {
     return decay.rise[m] * (even - odd);
   }
-  /// Adds the sums over their lanes, multiplies the common decay in and adds them to the output.
-  template <std::size_t Leaps>
-  static void collect(const Sums<Leaps>& sums, const CommonDecay* decay, float* out) noexcept {
-    const std::size_t times = decay ? kHalfLeap : kLeap, count = Leaps * times;
-    alignas(64) float real[Leaps * kLeap], imaginary[Leaps * kLeap];
+  /// Adds up the sums over their lanes, multiplies by the common decay and adds to the output.
+  template <std::size_t TimeBlocks>
+  static void collect(const Sums<TimeBlocks>& sums, const CommonDecay* decay, float* out) noexcept {
+    const std::size_t times = decay ? kHalfTimeBlock : kTimeBlock, count = TimeBlocks * times;
+    alignas(64) float real[TimeBlocks * kTimeBlock], imaginary[TimeBlocks * kTimeBlock];
     for (std::size_t n = 0; n < count; n += kWidth) {
-      if (count < kWidth) { // one leap in the widest registers
+      if (count < kWidth) { // one time block in the widest registers
         for (std::size_t i = 0; i < count; ++i) {
           real[i] = Tiles::across(sums.real[i]);
           imaginary[i] = Tiles::across(sums.imaginary[i]);
@@ -209,13 +215,13 @@ template <class Set> class BankLanes final : public BankKernel {
         out[n] += real[n] + imaginary[n];
       return;
     }
-    for (std::size_t l = 0; l < Leaps; ++l) {
-      float* const middle = out + l * kLeap + kHalfLeap;
-      const float* const e = real + l * kHalfLeap;
-      const float* const o = imaginary + l * kHalfLeap;
-      for (std::size_t m = 0; m < kHalfLeap; ++m)
+    for (std::size_t l = 0; l < TimeBlocks; ++l) {
+      float* const middle = out + l * kTimeBlock + kHalfTimeBlock;
+      const float* const e = real + l * kHalfTimeBlock;
+      const float* const o = imaginary + l * kHalfTimeBlock;
+      for (std::size_t m = 0; m < kHalfTimeBlock; ++m)
         middle[m] += after_middle(*decay, m, e[m], o[m]);
-      for (std::size_t m = 0; m < kHalfLeap; ++m)
+      for (std::size_t m = 0; m < kHalfTimeBlock; ++m)
         middle[-1 - static_cast<std::ptrdiff_t>(m)] += before_middle(*decay, m, e[m], o[m]);
     }
   }
@@ -224,49 +230,49 @@ template <class Set> class BankLanes final : public BankKernel {
     return poles.shares_decay ? &bank.decays[poles.decay_index] : nullptr;
   }
 
-  template <std::size_t Leaps>
-  static void run_leaps(const BankView& bank, std::span<const BankDrive> drives,
-                        std::span<const BankPickup> pickups) noexcept {
-    Sums<Leaps> sums[kMaxPickupParts];
+  template <std::size_t TimeBlocks>
+  static void run_time_blocks(const BankView& bank, std::span<const BankDrive> drives,
+                              std::span<const BankPickup> pickups) noexcept {
+    Sums<TimeBlocks> sums[kMaxPickupParts];
     Folded folded;
-    LeapPlanes states, weighted;
+    TimeBlockPlanes states, weighted;
     const std::size_t pickup_count =
         pickups.size() < kMaxPickupParts ? pickups.size() : kMaxPickupParts;
     for (std::size_t k = 0; k < pickup_count; ++k)
-      for (std::size_t n = 0; n < Leaps * kLeap; ++n)
+      for (std::size_t n = 0; n < TimeBlocks * kTimeBlock; ++n)
         pickups[k].out[n] = 0;
     const CommonDecay* decay = nullptr;
     std::size_t times = 0; // of the sums; none yet
     bool from_zero = true; // nothing is in them
     const auto collect_all = [&] {
       for (std::size_t k = 0; k < pickup_count && times > 0; ++k)
-        collect<Leaps>(sums[k], decay, pickups[k].out);
+        collect<TimeBlocks>(sums[k], decay, pickups[k].out);
     };
     for (std::size_t n = 0; n < bank.active.size();) {
-      const PoleBlock* poles[LeapPlanes::kMaxBlocks] = {&bank.poles[bank.active[n]]};
+      const PoleBlock* poles[TimeBlockPlanes::kMaxBlocks] = {&bank.poles[bank.active[n]]};
       if (const CommonDecay* const next = decay_of(bank, *poles[0]); next != decay || times == 0) {
         collect_all();
         decay = next;
-        times = decay ? kHalfLeap : kLeap;
+        times = decay ? kHalfTimeBlock : kTimeBlock;
         from_zero = true;
         for (std::size_t d = 0; d < drives.size() && decay; ++d)
-          fold(drives[d].force, *decay, Leaps, folded.sums[d], folded.differences[d]);
+          fold(drives[d].force, *decay, TimeBlocks, folded.sums[d], folded.differences[d]);
       }
       std::size_t blocks = 1;
-      while (blocks < LeapPlanes::kMaxBlocks && n + blocks < bank.active.size() &&
+      while (blocks < TimeBlockPlanes::kMaxBlocks && n + blocks < bank.active.size() &&
              decay_of(bank, bank.poles[bank.active[n + blocks]]) == decay) {
         poles[blocks] = &bank.poles[bank.active[n + blocks]];
         ++blocks;
       }
       for (std::size_t b = 0; b < blocks; ++b)
-        step<Leaps>(bank, bank.active[n + b], drives, folded,
-                    pickup_count == 1 ? pickups[0].weight : nullptr,
-                    pickup_count == 1 ? weighted : states, b);
+        step<TimeBlocks>(bank, bank.active[n + b], drives, folded,
+                         pickup_count == 1 ? pickups[0].weight : nullptr,
+                         pickup_count == 1 ? weighted : states, b);
       for (std::size_t k = 0; k < pickup_count; ++k) {
         for (std::size_t b = 0; b < blocks && pickup_count > 1; ++b)
-          apply_weight<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, weighted);
+          apply_weight<TimeBlocks>(pickups[k].weight[bank.active[n + b]], states, b, weighted);
         for (std::size_t first = 0; first < times; first += kTimes)
-          add_output<Leaps, kTimes>(poles, blocks, weighted, first, times, from_zero, sums[k]);
+          add_output<TimeBlocks, kTimes>(poles, blocks, weighted, first, times, from_zero, sums[k]);
       }
       from_zero = false;
       n += blocks;
@@ -275,21 +281,21 @@ template <class Set> class BankLanes final : public BankKernel {
   }
 
 public:
-  void run(const BankView& bank, std::size_t leaps, std::span<const BankDrive> drives,
+  void run(const BankView& bank, std::size_t time_blocks, std::span<const BankDrive> drives,
            std::span<const BankPickup> pickups) const noexcept override {
-    if (leaps == kMaxLeaps)
-      return run_leaps<kMaxLeaps>(bank, drives, pickups);
+    if (time_blocks == kMaxTimeBlocks)
+      return run_time_blocks<kMaxTimeBlocks>(bank, drives, pickups);
     BankDrive drive[Folded::kMaxDrives];
     BankPickup pickup[kMaxPickupParts];
     const std::size_t pickup_count =
         pickups.size() < kMaxPickupParts ? pickups.size() : kMaxPickupParts;
-    for (std::size_t l = 0; l < leaps; ++l) {
+    for (std::size_t l = 0; l < time_blocks; ++l) {
       for (std::size_t d = 0; d < drives.size(); ++d)
-        drive[d] = {drives[d].gain, drives[d].force + l * kLeap};
+        drive[d] = {drives[d].gain, drives[d].force + l * kTimeBlock};
       for (std::size_t k = 0; k < pickup_count; ++k)
-        pickup[k] = {pickups[k].weight, pickups[k].out + l * kLeap};
-      run_leaps<1>(bank, std::span<const BankDrive>(drive, drives.size()),
-                   std::span<const BankPickup>(pickup, pickup_count));
+        pickup[k] = {pickups[k].weight, pickups[k].out + l * kTimeBlock};
+      run_time_blocks<1>(bank, std::span<const BankDrive>(drive, drives.size()),
+                         std::span<const BankPickup>(pickup, pickup_count));
     }
   }
 
@@ -298,9 +304,9 @@ public:
     // The sums of run(), in the same order, for these samples alone.
     for (const BankPickup& pickup : pickups) {
       Sums<1> sums;
-      LeapPlanes states, weighted;
+      TimeBlockPlanes states, weighted;
       const CommonDecay* decay = nullptr;
-      bool needed[kLeap] = {};
+      bool needed[kTimeBlock] = {};
       std::size_t times = 0;
       for (std::size_t i = 0; i < count; ++i)
         pickup.out[i] = 0;
@@ -308,9 +314,9 @@ public:
         for (std::size_t i = 0; i < count && times > 0; ++i) {
           const std::size_t n = first + i, m = time_index(n, times);
           const float re = Tiles::across(sums.real[m]), im = Tiles::across(sums.imaginary[m]);
-          pickup.out[i] += !decay          ? re + im
-                           : n < kHalfLeap ? before_middle(*decay, m, re, im)
-                                           : after_middle(*decay, m, re, im);
+          pickup.out[i] += !decay               ? re + im
+                           : n < kHalfTimeBlock ? before_middle(*decay, m, re, im)
+                                                : after_middle(*decay, m, re, im);
         }
       };
       for (const std::uint32_t block : bank.active) {
@@ -318,7 +324,7 @@ public:
         if (const CommonDecay* const next = decay_of(bank, *poles); next != decay || times == 0) {
           collect_these();
           decay = next;
-          times = decay ? kHalfLeap : kLeap;
+          times = decay ? kHalfTimeBlock : kTimeBlock;
           sums.clear(times);
           for (std::size_t m = 0; m < times; ++m)
             needed[m] = false;
@@ -339,30 +345,30 @@ public:
     }
   }
 
-  void feedthrough(const float* force, const float* response, std::size_t leaps,
+  void feedthrough(const float* force, const float* response, std::size_t time_blocks,
                    float* out) const noexcept override {
     std::size_t l = 0;
-    for (; l + kMaxLeaps <= leaps; l += kMaxLeaps)
-      feedthrough_of<kMaxLeaps>(force + l * kLeap, response, out + l * kLeap);
-    for (; l < leaps; ++l)
-      feedthrough_of<1>(force + l * kLeap, response, out + l * kLeap);
+    for (; l + kMaxTimeBlocks <= time_blocks; l += kMaxTimeBlocks)
+      feedthrough_of<kMaxTimeBlocks>(force + l * kTimeBlock, response, out + l * kTimeBlock);
+    for (; l < time_blocks; ++l)
+      feedthrough_of<1>(force + l * kTimeBlock, response, out + l * kTimeBlock);
   }
 
   void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
                         std::size_t blocks, float* out) const noexcept override {
-    V sum[kLeap] = {};
+    V sum[kTimeBlock] = {};
     for (std::size_t b = 0; b < blocks; ++b)
       for (std::size_t at = 0; at < kLanes; at += kWidth) {
         const Complex p = load(poles[b].one_sample(), at), w = load(weight[b], at);
         const V size = Tiles::load(gain[b], at);
         Complex z{w.real * size, w.imaginary * size};
 #pragma GCC unroll 1
-        for (std::size_t m = 0; m < kLeap; ++m) {
+        for (std::size_t m = 0; m < kTimeBlock; ++m) {
           sum[m] += z.imaginary;
           z = product(p, z);
         }
       }
-    for (std::size_t m = 0; m < kLeap; ++m)
+    for (std::size_t m = 0; m < kTimeBlock; ++m)
       out[m] = Tiles::across(sum[m]);
   }
 
@@ -378,10 +384,10 @@ public:
   void advance(const BankView& bank, std::size_t samples,
                std::span<const BankDrive> drives) const noexcept override {
     Folded folded;
-    LeapPlanes unused;
+    TimeBlockPlanes unused;
     for (const std::uint32_t block : bank.active) {
       const PoleBlock& poles = bank.poles[block];
-      if (samples == kLeap) {
+      if (samples == kTimeBlock) {
         if (poles.shares_decay)
           for (std::size_t d = 0; d < drives.size(); ++d)
             fold(drives[d].force, bank.decays[poles.decay_index], 1, folded.sums[d],
@@ -412,7 +418,7 @@ private:
   template <std::size_t Rows>
   static void accumulate_rows(const float* a, const float* b, float* c, std::size_t inner,
                               std::size_t columns) noexcept {
-    constexpr std::size_t kVectors = kLeap / kWidth < 2 ? 1 : 2;
+    constexpr std::size_t kVectors = kTimeBlock / kWidth < 2 ? 1 : 2;
     for (std::size_t n = 0; n < columns; n += kVectors * kWidth) {
       V sum[Rows][kVectors];
       for (std::size_t r = 0; r < Rows; ++r)
@@ -434,28 +440,30 @@ private:
     }
   }
 
-  template <std::size_t Leaps>
+  template <std::size_t TimeBlocks>
   static void feedthrough_of(const float* force, const float* response, float* out) noexcept {
-    constexpr std::size_t kParts = kLeap / kWidth;
+    constexpr std::size_t kParts = kTimeBlock / kWidth;
 #pragma GCC unroll 1
     for (std::size_t part = 0; part < kParts; ++part) {
-      const float* const from = response + kLeap + part * kWidth;
-      V sum[Leaps];
-      for (std::size_t l = 0; l < Leaps; ++l)
+      const float* const from = response + kTimeBlock + part * kWidth;
+      V sum[TimeBlocks];
+      for (std::size_t l = 0; l < TimeBlocks; ++l)
         sum[l] = V{};
 #pragma GCC unroll 1
-      for (std::size_t j = 0; j < kLeap; ++j) {
+      for (std::size_t j = 0; j < kTimeBlock; ++j) {
         const V row = *reinterpret_cast<const Unaligned*>(from - j);
-        for (std::size_t l = 0; l < Leaps; ++l)
-          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), row, sum[l]);
+        for (std::size_t l = 0; l < TimeBlocks; ++l)
+          sum[l] = Tiles::fma(Tiles::all(force[l * kTimeBlock + j]), row, sum[l]);
       }
-      for (std::size_t l = 0; l < Leaps; ++l)
-        *reinterpret_cast<Unaligned*>(out + l * kLeap + part * kWidth) += sum[l];
+      for (std::size_t l = 0; l < TimeBlocks; ++l)
+        *reinterpret_cast<Unaligned*>(out + l * kTimeBlock + part * kWidth) += sum[l];
     }
   }
-  /// The index in the sums of sample n of a leap.
+  /// The index in the sums of sample n of a time block.
   static std::size_t time_index(std::size_t n, std::size_t times) noexcept {
-    return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
+    return times == kTimeBlock  ? n
+           : n < kHalfTimeBlock ? kHalfTimeBlock - 1 - n
+                                : n - kHalfTimeBlock;
   }
 };
 

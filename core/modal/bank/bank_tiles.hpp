@@ -7,21 +7,21 @@
 /// The mode bank's two matrix products, in tiles that stay in registers: forces into states (sums
 /// over times, one for each mode) and states into outputs (sums over modes, one for each sample).
 ///
-/// A tile adds in the same order as single sums would, so that a leap gives the same bits alone and
-/// together with others.
+/// A tile adds in the same order as single sums would, so that a time block gives the same bits
+/// alone and together with others.
 namespace tactus::modal {
 
 template <class Set> struct BankVector;
 
 template <> struct BankVector<simd::Baseline> {
   using Type [[gnu::vector_size(16)]] = float;
-  static constexpr std::size_t width = 4, registers = 2, leaps = 2, times = 2;
+  static constexpr std::size_t width = 4, registers = 2, time_blocks = 2, times = 2;
   static Type multiply_add(Type a, Type b, Type c) noexcept { return a * b + c; }
 };
 #if defined(__AVX2__) && defined(__FMA__)
 template <> struct BankVector<simd::Avx2> {
   using Type [[gnu::vector_size(32)]] = float;
-  static constexpr std::size_t width = 8, registers = 2, leaps = 2, times = 2;
+  static constexpr std::size_t width = 8, registers = 2, time_blocks = 2, times = 2;
   [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
     return _mm256_fmadd_ps(a, b, c);
   }
@@ -30,17 +30,17 @@ template <> struct BankVector<simd::Avx2> {
 #if defined(__AVX512F__)
 template <> struct BankVector<simd::Avx512> {
   using Type [[gnu::vector_size(64)]] = float;
-  static constexpr std::size_t width = 16, registers = 2, leaps = 4, times = 4;
+  static constexpr std::size_t width = 16, registers = 2, time_blocks = 4, times = 4;
   [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
     return _mm512_fmadd_ps(a, b, c);
   }
 };
 #endif
 
-/// States of up to kMaxBlocks blocks at each leap of a chunk, real and imaginary parts apart.
-struct alignas(64) LeapPlanes {
+/// States of up to kMaxBlocks blocks at each time block of a chunk, real and imaginary parts apart.
+struct alignas(64) TimeBlockPlanes {
   static constexpr std::size_t kMaxBlocks = 2;
-  Lane real[kMaxLeaps][kMaxBlocks], imaginary[kMaxLeaps][kMaxBlocks];
+  Lane real[kMaxTimeBlocks][kMaxBlocks], imaginary[kMaxTimeBlocks][kMaxBlocks];
 };
 
 template <class Set> struct BankTiles {
@@ -48,7 +48,7 @@ template <class Set> struct BankTiles {
   using V = typename Traits::Type;
   static constexpr std::size_t kWidth = Traits::width;
   static constexpr std::size_t kRegisters = Traits::registers; ///< of modes in a tile of gather()
-  static constexpr std::size_t kLeaps = Traits::leaps;         ///< in a tile of gather()
+  static constexpr std::size_t kTimeBlocks = Traits::time_blocks; ///< in a tile of gather()
   static constexpr std::size_t kTimes = Traits::times; ///< samples in a tile of add_output()
   static constexpr std::size_t kStep = kRegisters * kWidth;
 
@@ -66,17 +66,17 @@ template <class Set> struct BankTiles {
   }
   [[gnu::always_inline]] static V all(float x) noexcept { return x - V{}; }
 
-  /// The complex sums of a tile of Leaps leaps and kRegisters registers of modes.
-  template <std::size_t Leaps> struct TileSum {
-    V real[Leaps][kRegisters], imaginary[Leaps][kRegisters];
+  /// The complex sums of a tile of TimeBlocks time blocks and kRegisters registers of modes.
+  template <std::size_t TimeBlocks> struct TileSum {
+    V real[TimeBlocks][kRegisters], imaginary[TimeBlocks][kRegisters];
   };
-  /// For each leap l, adds to `sum` the sum over m < count of Re(power(m)) x[l * stride + m] and
-  /// Im(power(m)) y[l * stride + m].
+  /// For each time block l, adds to `sum` the sum over m < count of Re(power(m)) x[l * stride + m]
+  /// and Im(power(m)) y[l * stride + m].
   // Seven arguments: always inlined, so that they stay in registers.
-  template <std::size_t Leaps, class Power>
+  template <std::size_t TimeBlocks, class Power>
   [[gnu::always_inline]] static void gather(const Power& power, std::size_t at, std::size_t count,
                                             const float* x, const float* y, std::size_t stride,
-                                            TileSum<Leaps>& sum) noexcept {
+                                            TileSum<TimeBlocks>& sum) noexcept {
 #pragma GCC unroll 1
     for (std::size_t m = 0; m < count; ++m) {
       const ComplexLane& p = power(m);
@@ -87,7 +87,7 @@ template <class Set> struct BankTiles {
         imaginary[r] = load(p.imaginary, at + r * kWidth);
       }
 #pragma GCC unroll 4
-      for (std::size_t l = 0; l < Leaps; ++l) {
+      for (std::size_t l = 0; l < TimeBlocks; ++l) {
         const V even = all(x[l * stride + m]), odd = all(y[l * stride + m]);
 #pragma GCC unroll 4
         for (std::size_t r = 0; r < kRegisters; ++r) {
@@ -98,18 +98,18 @@ template <class Set> struct BankTiles {
     }
   }
 
-  /// sums[l * stride + i] += sum over the blocks' modes of part[b][i] c[l][b], for Leaps leaps and
-  /// Times samples i; `from_zero`: `sums` is overwritten. `part` points to lanes of the poles'
-  /// powers, one ComplexLane from power to power.
-  template <std::size_t Leaps, std::size_t Times>
+  /// sums[l * stride + i] += sum over the blocks' modes of part[b][i] c[l][b], for TimeBlocks time
+  /// blocks and Times samples i; `from_zero`: `sums` is overwritten. `part` points to lanes of the
+  /// poles' powers, one ComplexLane from power to power.
+  template <std::size_t TimeBlocks, std::size_t Times>
   [[gnu::noinline]] static void add_output(const float* const* part, std::size_t blocks,
-                                           const Lane (*c)[LeapPlanes::kMaxBlocks], V* sums,
+                                           const Lane (*c)[TimeBlockPlanes::kMaxBlocks], V* sums,
                                            std::size_t stride, bool from_zero) noexcept {
     constexpr std::size_t kLaneStride = sizeof(ComplexLane) / sizeof(float);
-    constexpr std::size_t kLeapStride = LeapPlanes::kMaxBlocks * kLanes;
-    V sum[Leaps][Times];
+    constexpr std::size_t kTimeBlockStride = TimeBlockPlanes::kMaxBlocks * kLanes;
+    V sum[TimeBlocks][Times];
 #pragma GCC unroll 4
-    for (std::size_t l = 0; l < Leaps; ++l)
+    for (std::size_t l = 0; l < TimeBlocks; ++l)
 #pragma GCC unroll 4
       for (std::size_t i = 0; i < Times; ++i)
         sum[l][i] = from_zero ? V{} : sums[l * stride + i];
@@ -119,21 +119,21 @@ template <class Set> struct BankTiles {
       const float* const end = p + kLanes;
 #pragma GCC unroll 1
       for (; p != end; p += kWidth, state += kWidth) {
-        V z[Leaps];
+        V z[TimeBlocks];
 #pragma GCC unroll 4
-        for (std::size_t l = 0; l < Leaps; ++l)
-          z[l] = load(state + l * kLeapStride);
+        for (std::size_t l = 0; l < TimeBlocks; ++l)
+          z[l] = load(state + l * kTimeBlockStride);
 #pragma GCC unroll 4
         for (std::size_t i = 0; i < Times; ++i) {
           const V power = load(p + i * kLaneStride);
 #pragma GCC unroll 4
-          for (std::size_t l = 0; l < Leaps; ++l)
+          for (std::size_t l = 0; l < TimeBlocks; ++l)
             sum[l][i] = fma(power, z[l], sum[l][i]);
         }
       }
     }
 #pragma GCC unroll 4
-    for (std::size_t l = 0; l < Leaps; ++l)
+    for (std::size_t l = 0; l < TimeBlocks; ++l)
 #pragma GCC unroll 4
       for (std::size_t i = 0; i < Times; ++i)
         sums[l * stride + i] = sum[l][i];

@@ -15,8 +15,8 @@ namespace tactus::modal {
 /// 1 kHz away from a tone are below -65 dB. A target that arrives within a segment waits for the
 /// next segment; of several that wait the newest counts.
 ///
-/// A Glide holds the time only. Its owner holds the three values and the waiting target, and
-/// exchanges them when start() or advance() says so.
+/// A Glide stores the time only. Its owner stores the three values and the waiting target, and
+/// exchanges them as start() and advance() return.
 class Glide {
 public:
   static constexpr std::size_t kSegment = 512; ///< samples

@@ -46,8 +46,9 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       high = std::max(high, -rate[k].real() / sample_rate_);
     }
     PoleBlock& poles = poles_[b];
-    // The state in the middle of a leap must give the one at its beginning without losing digits.
-    poles.shares_decay = high - low <= 2 * kMaxDecayMismatch && high * kHalfLeap < 1;
+    // The state at the middle of a time block must give the one at its beginning without losing
+    // digits.
+    poles.shares_decay = high - low <= 2 * kMaxDecayMismatch && high * kHalfTimeBlock < 1;
     if (poles.shares_decay) {
       if (decays_.empty() ||
           std::max(max_decay, high) - std::min(min_decay, low) > 2 * kMaxDecayMismatch) {
@@ -58,7 +59,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       min_decay = std::min(min_decay, low);
       max_decay = std::max(max_decay, high);
       poles.decay_index = static_cast<std::uint32_t>(decays_.size() - 1);
-      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+      for (std::size_t m = 0; m < kHalfTimeBlock; ++m) {
         const double nepers = 0.5 * (min_decay + max_decay) * (static_cast<double>(m) + 0.5);
         decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
         decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
@@ -70,15 +71,15 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
         return std::exp(rate[k] * (samples / sample_rate_));
       };
       if (!poles.shares_decay) {
-        for (std::size_t m = 0; m < kLeap; ++m)
+        for (std::size_t m = 0; m < kTimeBlock; ++m)
           put(poles.power[m], lane, power(static_cast<double>(m) + 1));
         continue;
       }
-      for (std::size_t m = 0; m < kHalfLeap; ++m)
+      for (std::size_t m = 0; m < kHalfTimeBlock; ++m)
         put(poles.power[m], lane,
             std::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
-      constexpr double kCentre = kHalfLeap + 0.5;
-      put(poles.power[PoleBlock::kWholeLeap], lane, power(kLeap));
+      constexpr double kCentre = kHalfTimeBlock + 0.5;
+      put(poles.power[PoleBlock::kWholeTimeBlock], lane, power(kTimeBlock));
       put(poles.power[PoleBlock::kToMiddle], lane, power(kCentre));
       put(poles.power[PoleBlock::kFromMiddle], lane, power(-kCentre));
       put(poles.power[PoleBlock::kOneSample], lane, power(1));
@@ -117,7 +118,7 @@ void ModeBank::compute_feedthrough(std::size_t drive, std::size_t pickup,
   found.response.fill(0);
   kernel_->impulse_response(poles_.data(), gain_[drive].data(),
                             pickups_[pickup].weight[part].data(), blocks_,
-                            found.response.data() + kLeap);
+                            found.response.data() + kTimeBlock);
 }
 
 BankView ModeBank::view() noexcept {
@@ -174,7 +175,7 @@ std::size_t ModeBank::find_driving() noexcept {
       activate_driven(d);
     else
       force_[d] = kZeros.data();
-    // The history holds forces of the present leap only.
+    // The history holds forces of the present time block only.
     if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), nonzero)))
       driving_[count++] = static_cast<std::uint32_t>(d);
   }
@@ -201,13 +202,13 @@ void ModeBank::process_chunk(std::size_t frames) noexcept {
         compute_feedthrough(driving_[n], i, pickup_parts_[e].part);
   }
   for (std::size_t done = 0; done < frames;) {
-    const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
+    const std::size_t to_grid = kTimeBlock - static_cast<std::size_t>(clock_ % kTimeBlock);
     std::size_t count = std::min(frames - done, to_grid);
-    if (phase_ == 0 && count == kLeap) {
-      count = (frames - done) / kLeap * kLeap;
-      process_whole_leaps(done, count / kLeap);
+    if (phase_ == 0 && count == kTimeBlock) {
+      count = (frames - done) / kTimeBlock * kTimeBlock;
+      process_whole_time_blocks(done, count / kTimeBlock);
     } else {
-      process_partial_leap(done, count, count == to_grid);
+      process_partial_time_block(done, count, count == to_grid);
     }
     clock_ += count;
     done += count;
@@ -226,25 +227,26 @@ std::size_t ModeBank::list_pickup_parts(std::size_t at) noexcept {
   return pickup_part_count_;
 }
 
-void ModeBank::process_whole_leaps(std::size_t at, std::size_t leaps) noexcept {
+void ModeBank::process_whole_time_blocks(std::size_t at, std::size_t time_blocks) noexcept {
   for (std::size_t n = 0; n < driving_count_; ++n)
     kernel_drives_[n] = {gain_[driving_[n]].data(), force_[driving_[n]] + at};
-  kernel_->run(view(), leaps, std::span(kernel_drives_).first(driving_count_),
+  kernel_->run(view(), time_blocks, std::span(kernel_drives_).first(driving_count_),
                std::span(kernel_pickups_).first(list_pickup_parts(at)));
   for (std::size_t n = 0; n < driving_count_; ++n)
     for (std::size_t e = 0; e < pickup_part_count_; ++e)
       kernel_->feedthrough(
           force_[driving_[n]] + at,
           feedthrough(driving_[n], pickup_parts_[e].pickup, pickup_parts_[e].part).response.data(),
-          leaps, output_[e].data() + at);
+          time_blocks, output_[e].data() + at);
   if (release_left_ == 0)
     return;
   for (std::size_t e = 0; e < pickup_part_count_; ++e)
     kernel_pickups_[e].out = released_output_[e].data() + at;
-  kernel_->run(released_view(), leaps, {}, std::span(kernel_pickups_).first(pickup_part_count_));
+  kernel_->run(released_view(), time_blocks, {},
+               std::span(kernel_pickups_).first(pickup_part_count_));
 }
 
-void ModeBank::process_partial_leap(std::size_t at, std::size_t count, bool ends) noexcept {
+void ModeBank::process_partial_time_block(std::size_t at, std::size_t count, bool ends) noexcept {
   kernel_->output_samples(view(), phase_, count,
                           std::span(kernel_pickups_).first(list_pickup_parts(at)));
   if (release_left_ > 0) {
@@ -277,11 +279,11 @@ void ModeBank::flush_pending() noexcept {
   phase_ = 0;
 }
 
-/// For samples `from` to `to` of the present leap.
+/// For samples `from` to `to` of the present time block.
 void ModeBank::add_feedthrough(std::size_t drive, std::size_t from, std::size_t to,
                                std::size_t at) noexcept {
   for (std::size_t e = 0; e < pickup_part_count_; ++e) {
-    std::array<float, kLeap> sum{};
+    std::array<float, kTimeBlock> sum{};
     kernel_->feedthrough(
         history_[drive].data(),
         feedthrough(drive, pickup_parts_[e].pickup, pickup_parts_[e].part).response.data(), 1,

@@ -12,7 +12,7 @@
 
 namespace tactus::modal {
 
-/// Thousands of damped oscillators (the modes of a body), driven by forces and summed to sounds.
+/// Thousands of damped oscillators (the modes of a body), driven by forces and summed to outputs.
 ///
 /// Mode k has the complex rate s = -alpha + j omega_d (1/s) and follows
 ///   q'' + 2 alpha q' + (alpha^2 + omega_d^2) q = sum over drives of b F,   [q] = m sqrt(kg).
@@ -58,7 +58,7 @@ public:
   void process(std::span<const float* const> force, std::span<float* const> out,
                std::size_t frames) noexcept;
 
-  /// Applies the part of a leap that is still pending, so that states can be read and changed.
+  /// Applies the pending part of a time block, so that states can be read and changed.
   void flush_pending() noexcept;
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept;
   void set_state(std::size_t mode, std::complex<double> z) noexcept;
@@ -66,41 +66,43 @@ public:
   void read_states(std::span<std::complex<double>> z) noexcept;
   void write_states(std::span<const std::complex<double>> z) noexcept;
   void silence() noexcept;
-  /// Fades out all that rings: the present states are copied, ring on separately, and fade within
+  /// Fades out all vibration: the present states are copied, ring on separately, and fade within
   /// kRelease samples by half a period of a cosine. The states themselves become zero.
   void release() noexcept;
   [[nodiscard]] std::size_t release_left() const noexcept { return release_left_; }
   /// The states that are being faded out, to hand them to the bank of a new model.
   void read_released(std::span<std::complex<double>> z) noexcept;
   void write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept;
-  /// Nothing rings: process() costs almost nothing and gives zeros while there is no force.
+  /// True if nothing rings: process() then costs almost nothing and gives zeros while there is no
+  /// force.
   [[nodiscard]] bool idle() const noexcept { return active_count_ == 0 && release_left_ == 0; }
-  /// Something rings besides what is being faded out.
+  /// True if modes ring besides those that are being faded out.
   [[nodiscard]] bool ringing() const noexcept { return active_count_ > 0; }
   /// Blocks of modes that are computed now, of kLanes modes each.
   [[nodiscard]] std::size_t active_blocks() const noexcept { return active_count_; }
   /// A mode whose part in every pick-up's output is below this level is set to zero.
   void set_audibility_floor(double level) noexcept { audibility_floor_ = level; }
   [[nodiscard]] std::size_t modes() const noexcept { return modes_; }
-  /// Samples so far. It fixes the grid of leaps, so that a new bank can continue another's.
+  /// Samples so far. They fix the grid of time blocks, so that a new bank can continue another
+  /// one's.
   [[nodiscard]] std::uint64_t clock() const noexcept { return clock_; }
   void set_clock(std::uint64_t clock) noexcept { clock_ = clock; }
 
-  /// Lets time pass without computing: only the clock and the glides move. Call flush_pending()
-  /// first, and only while nothing is being faded out.
+  /// Advances the clock and the glides only, without computing. Call flush_pending() first, and
+  /// only while nothing is being faded out.
   void skip(std::size_t samples) noexcept;
 
   static constexpr std::size_t kRelease = 1024; ///< samples
   /// The gain of the fade-out, from 1 to 0, with `left` samples to go.
   [[nodiscard]] static double release_share(std::size_t left) noexcept;
   /// A block whose modes' decay rates times T differ from their mean by less than this shares one
-  /// decay within a leap: an error below -65 dB.
+  /// decay within a time block: an error below -65 dB.
   static constexpr double kMaxDecayMismatch = 1.2e-4;
 
 private:
   static constexpr std::size_t kMaxDrives = 72, kMaxPickups = kMaxPickupParts / 3;
-  static constexpr std::uint64_t kAudibilityPeriod =
-      1024; ///< samples between checks of what still rings
+  /// Samples between the checks for modes that have become inaudible.
+  static constexpr std::uint64_t kAudibilityPeriod = 1024;
 
   struct LaneIndex {
     std::size_t block, lane;
@@ -113,9 +115,9 @@ private:
     std::vector<ComplexLane> target;                ///< the waiting one
     Glide glide;
   };
-  /// The output of forces within their own leap: kLeap zeros, then the sum over the modes of
-  /// Im(w b T p^m), m = 0 ... kLeap - 1.
-  using Response = std::array<float, 2 * kLeap>;
+  /// The output of forces within their own time block: kTimeBlock zeros, then the sum over the
+  /// modes of Im(w b T p^m), m = 0 ... kTimeBlock - 1.
+  using Response = std::array<float, 2 * kTimeBlock>;
   struct CachedResponse {
     Response response;
     bool valid = false;
@@ -146,8 +148,8 @@ private:
   void process_chunk(std::size_t frames) noexcept;
   [[nodiscard]] std::size_t find_driving() noexcept;
   std::size_t list_pickup_parts(std::size_t at) noexcept;
-  void process_whole_leaps(std::size_t at, std::size_t leaps) noexcept;
-  void process_partial_leap(std::size_t at, std::size_t count, bool ends) noexcept;
+  void process_whole_time_blocks(std::size_t at, std::size_t time_blocks) noexcept;
+  void process_partial_time_block(std::size_t at, std::size_t count, bool ends) noexcept;
   void add_feedthrough(std::size_t drive, std::size_t from, std::size_t to,
                        std::size_t at) noexcept;
   void mix() noexcept;
@@ -173,9 +175,9 @@ private:
   std::size_t released_count_ = 0, release_left_ = 0; // blocks, samples
   double audibility_floor_ = 0;
 
-  std::uint64_t clock_ = 0;                       // samples
-  std::size_t phase_ = 0;                         // samples of the present leap that are over
-  std::vector<std::array<float, kLeap>> history_; // [drive], forces of the present leap
+  std::uint64_t clock_ = 0;                            // samples
+  std::size_t phase_ = 0;                              // samples into the present time block
+  std::vector<std::array<float, kTimeBlock>> history_; // [drive], forces of the present time block
   // Of the present chunk.
   struct PickupPart {
     std::size_t pickup, part;

@@ -72,7 +72,7 @@ void ModeBank::set_glide(
   ++glide_version_;
 }
 
-/// Moves the weights on, and with them the cached responses.
+/// Exchanges the weights as the glide requires, and with them the cached responses.
 void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool had_target) noexcept {
   if (exchange == Glide::Exchange::kNone)
     return;
@@ -158,7 +158,7 @@ void ModeBank::list_released() noexcept {
   }
 }
 
-/// Adds what is being faded out, times release_share().
+/// Adds the output of the states that are being faded out, times release_share().
 void ModeBank::mix_released() noexcept {
   const std::size_t count = std::min(frames_, release_left_);
   for (std::size_t n = 0; n < count; ++n) {

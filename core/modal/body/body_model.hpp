@@ -31,7 +31,7 @@ using ChannelBlock = std::array<std::array<float, kChunk>, kMaxListeners>;
 /// (kModal), from the surface velocities in the table (kRaw), by its multipoles (kBody), or the
 /// surface velocity itself is heard (kNone).
 enum class Radiation { kModal, kRaw, kBody, kNone };
-/// The arrays without which a table cannot radiate so; empty: it has them.
+/// Names of the arrays that this radiation needs and the table lacks; empty if it has them.
 [[nodiscard]] std::string_view missing_arrays(const LoadedTable& loaded,
                                               Radiation radiation) noexcept;
 /// Where the damping of the modes comes from: the table, Rayleigh's law, one loss factor, or a
@@ -177,7 +177,7 @@ struct BodyModel {
     double preload_n = 0;
   };
   std::vector<RestingContact> resting_contacts;
-  /// Why the body cannot rest as the settings say; it has no resting contacts then. Else empty.
+  /// Reason why the body cannot rest as set; it has no resting contacts then. Else empty.
   std::string resting_refusal;
   /// The largest distance between the two surfaces at a contact point, m.
   double largest_gap_m = 0;
@@ -187,8 +187,8 @@ struct BodyModel {
   [[nodiscard]] std::size_t hand_slot() const noexcept { return settings.voices; }
   [[nodiscard]] std::size_t rub_slot() const noexcept { return settings.voices + 1; }
   [[nodiscard]] std::size_t resting_slot() const noexcept { return settings.voices + kContacts; }
-  /// True if a force at this point moves the body as a whole; else its support, or the board's,
-  /// holds.
+  /// True if a force at this point moves the body as a whole; false if its support, or that of the
+  /// board, prevents this.
   [[nodiscard]] bool recoils(const SurfacePoint& point) const noexcept;
   /// The law of a striker's contact with the body (or the board) at a point.
   [[nodiscard]] contact::ImpactLaw impact_law(const Striker& striker, double speed_m_per_s,
@@ -212,18 +212,18 @@ struct BodyModel {
   /// The point of the surface nearest to a position in m, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& position_m) const noexcept;
   /// Continues the motion of another model of the same body. Without a contact every mode keeps its
-  /// state z, that is its energy |z|^2/2, whichever way its pitch moves, and the weights of the
-  /// sound glide from the old ones to the new. No mode is then louder on the way than at the louder
-  /// of its ends. During a contact the part of z that the contact forces hold bent becomes the
-  /// deflection of the new body by these forces, since it would spring back with a thump; only the
-  /// contacts on the board are continued here.
+  /// state z, and so its energy |z|^2/2, whether its pitch rises or falls. The weights of the sound
+  /// glide from the old ones to the new; during the glide no mode is louder than at the louder end.
+  /// During a contact the part of z that is the deflection under the contact forces becomes the new
+  /// body's deflection under these forces, since it would otherwise spring back with a thump. Only
+  /// the contacts on the board are continued here.
   ///
-  /// Where the modes were solved again (LoadedTable::follows), motion and sound are mapped by the
-  /// table's shares (ModeShare), which cannot raise the energy. True if motion without a successor
-  /// fades out in the bank of `before`.
+  /// If the modes were solved again (LoadedTable::follows), motion and sound are mapped by the
+  /// table's shares (ModeShare), which cannot raise the energy. Returns true if motion without a
+  /// successor fades out in the bank of `before`.
   bool continue_from(BodyModel& before) noexcept;
   /// Continues another contact of `before`, if it is active; gains as in build_contact_kernels().
-  /// `held`: a body that does not recoil is held.
+  /// `held`: without rigid motion if the body does not recoil at the point.
   void take_over_contact(std::size_t slot, const BodyModel& before, std::size_t old_slot,
                          const SurfacePoint& point, const Vec3& direction,
                          bool held = false) noexcept;

@@ -39,8 +39,8 @@ void BodyModel::take_over_contact(std::size_t slot, const BodyModel& before, std
   build_contact_kernels(slot, point, direction);
 }
 
-/// The response of a mode of the present solver to the contact forces now, as a state z = -b F/s,
-/// and no more of it than is in the state.
+/// The deflection of a mode of the present solver under the present contact forces, as a state z =
+/// -b F/s, limited to the part of it that the mode's state contains.
 std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
   const std::complex<double> pressed = -solver.modal_force(i) / rate[i], z = scratch_state[i];
   const double square = std::norm(pressed);
@@ -48,7 +48,7 @@ std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
                     : 0.0;
 }
 
-/// Mode i's deflection by the same force over that of the same mode, j, before.
+/// Ratio of mode i's deflection by a force to that of the same mode, j, of the earlier model.
 std::complex<double> BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
                                                  std::size_t j) const noexcept {
   const std::size_t part = loaded->is_board_mode(mode[i]) ? LoadedTable::kBoard : 0;
@@ -63,7 +63,7 @@ void BodyModel::release_from(BodyModel& before) noexcept {
                       before.bank.release_left());
 }
 
-/// The states of the modes of another model, read into its scratch_state, in the order of these.
+/// The states of another model's modes, from its scratch_state, in the order of this model's modes.
 std::span<std::complex<double>> BodyModel::keep_states(const BodyModel& before, std::size_t count,
                                                        std::size_t old_count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
@@ -99,8 +99,8 @@ void BodyModel::take_over_rigid(const BodyModel& before) noexcept {
     solver.project_rigid(rigid_basis_);
 }
 
-/// The factor of a weight before that gives the sound before with the state now, so that the glide
-/// begins without a step. It amplifies no more than the change of a pressed mode asks for.
+/// Factor on an old weight with which the new state gives the old sound, so that the glide begins
+/// without a step. It is limited to the factor that the change of a pressed mode requires.
 std::complex<double> BodyModel::sound_ratio(std::size_t i, const BodyModel& before,
                                             std::size_t j) const noexcept {
   const std::complex<double> was = before.scratch_state[j], is = scratch_state[i];

@@ -35,17 +35,17 @@ void BodyModel::leave_contact(double gain, double cull_db) noexcept {
     for (std::size_t k = 0; k < audible_modes; ++k)
       states[k] += bank_state[k];
   }
-  double loudest = 0, liveliest = 0;
+  double loudest = 0, strongest = 0;
   for (std::size_t k = 0; k < audible_modes; ++k) { // squared loudness
     scratch[k] = loudness[k] * loudness[k] * std::norm(states[k]);
     loudest = std::max(loudest, scratch[k]);
-    liveliest = std::max(liveliest, std::norm(states[k]));
+    strongest = std::max(strongest, std::norm(states[k]));
   }
-  // What the listeners do not hear, the next striker may still meet.
+  // A mode that the listeners do not hear may still move the surface under the next striker.
   const double share = std::pow(10, -cull_db / 10);
   culled = 0;
   for (std::size_t k = 0; k < audible_modes; ++k)
-    if (scratch[k] < share * loudest && std::norm(states[k]) < share * liveliest) {
+    if (scratch[k] < share * loudest && std::norm(states[k]) < share * strongest) {
       ++culled;
       states[k] = 0;
     }
@@ -66,7 +66,7 @@ void BodyModel::begin_resting_contacts() noexcept {
   }
 }
 
-/// Such a body is set to rest and costs nothing until something moves it again.
+/// A settled body is set to rest and costs nothing until something moves it again.
 bool BodyModel::has_settled(double gain) const noexcept {
   constexpr double kEnergyShare = 1e-12, kMinEnergy = 1e-18; // of energies; J
   constexpr double kForceShare = 1e-6;                       // of the weight on all points

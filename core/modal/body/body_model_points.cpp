@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// BodyModel: what a force meets at a point of the surface.
+/// BodyModel: response to a force at a point of the surface: gains, compliance and contact law.
 namespace tactus::modal {
 
 void BodyModel::gains(const SurfacePoint& point, const Vec3& direction,

@@ -132,7 +132,7 @@ void DirectMixer::continue_body(BodyModel& model, const ModelHandover::Use& befo
   if (in_silence || !have_compatible_kernels(model, *before)) {
     if (in_silence) {
       direct_.clear();
-    } else { // sound on its way goes on to the listeners that stay
+    } else { // sound in transit continues for the remaining listeners
       direct_.merge_parts(before->bank.glide(0));
       direct_.clear_from(model.settings.listeners);
     }

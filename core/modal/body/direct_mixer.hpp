@@ -13,7 +13,7 @@ namespace tactus::modal {
 /// model to model, forces are filtered by the kernels of each of these models, blended in step.
 class DirectMixer {
 public:
-  /// Allocates, and drops all sound on its way.
+  /// Allocates, and drops all sound in transit.
   void prepare(double sample_rate);
   /// Where the external force acts.
   void set_point(const ForcePoint& point) noexcept;
@@ -24,8 +24,8 @@ public:
   void build_pulse_kernels(std::size_t slot, const SurfacePoint& point,
                            const Vec3& direction) noexcept;
 
-  /// Add forces `at` samples into the segment: those of the sample that the solver has just
-  /// computed, the external force, a pulse.
+  /// Add forces at sample `at` of the segment: those of the solver's last sample, the external
+  /// force, and a pulse.
   void add_contacts(std::size_t at) noexcept;
   void add_force(std::size_t at, float force) noexcept;
   void add_pulse(std::size_t slot, std::size_t at, float force) noexcept;
@@ -34,14 +34,14 @@ public:
   void finish(ChannelBlock& output, std::span<const float> force, std::size_t from, std::size_t to,
               const Glide& glide) noexcept;
 
-  /// From now on `model` is the present one, of another body than `before` (null: there was none).
-  /// `gliding`: the weights of `before` were gliding. The sound on its way stays.
+  /// Makes `model` the present one, of another body than `before` (null: there was none).
+  /// `gliding`: the weights of `before` were gliding. Sound in transit is kept.
   void exchange_body(BodyModel& model, const BodyModel* before, bool gliding) noexcept;
-  /// From now on `model` is the present one, of the same body as `before`; `in_silence`: nothing
-  /// sounds. Earlier models are kept for as long as their kernels sound.
+  /// Makes `model` the present one, of the same body as `before`; `in_silence`: nothing sounds.
+  /// Earlier models are kept for as long as their kernels sound.
   void continue_body(BodyModel& model, const ModelHandover::Use& before, bool gliding,
                      bool in_silence) noexcept;
-  /// The sound on its way.
+  /// The sound in transit.
   [[nodiscard]] DirectSound& sound() noexcept { return direct_; }
 
 private:

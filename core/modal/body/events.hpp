@@ -33,7 +33,7 @@ struct ForcePoint {
 };
 /// The friction law and the point of the surface that rubs the body, such as a bow.
 struct Rub {
-  bool placed = false; ///< else it rubs at the force point
+  bool placed = false; ///< false: it rubs at the force point
   SurfacePoint point;
   Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: that of positive velocity
   contact::FrictionLaw law;

@@ -9,7 +9,7 @@
 
 namespace tactus::modal {
 
-/// Exchanged bodies, until the last of their sound has reached the listeners.
+/// Earlier bodies, kept until the last of their sound has reached the listeners.
 class FadingBodies {
 public:
   /// Allocates, and drops all of them.
@@ -17,8 +17,8 @@ public:
   /// Lets modes without a successor, which fade out in the old model's bank, sound through the
   /// delay lines of the present body.
   void fade_unmatched(const ModelHandover::Use& before) noexcept;
-  /// Lets an exchanged body ring on by itself while it fades out. Its direct sound and delay lines
-  /// are taken, and replaced by cleared ones.
+  /// Lets an exchanged body ring separately while it fades out. Its direct sound and delay lines
+  /// are taken and replaced by cleared ones.
   void fade_out(const ModelHandover::Use& before, const RecordingVoices& recordings,
                 DirectSound& direct, DelayLines& delay) noexcept;
   /// Add the sounds before and after the delay lines of the present body.

@@ -35,7 +35,7 @@ void Hand::lift(double height_m, bool driven, double force_n, BodyModel& body) n
 void Hand::take_over_contact(const ForcePoint& point, BodyModel& now,
                              const BodyModel& before) noexcept {
   now.take_over_contact(now.hand_slot(), before, before.hand_slot(), point.point, point.direction);
-  // It moves with the surface and keeps its force, until it lifts.
+  // The hand moves with the surface and keeps its force until it lifts.
   const double is = now.solver.contact(now.hand_slot()).exciter.position_m,
                was = before.solver.contact(before.hand_slot()).exciter.position_m;
   if (is > 0 && was > 0)

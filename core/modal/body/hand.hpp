@@ -13,7 +13,7 @@ public:
   void prepare(double sample_rate) noexcept { steps_.prepare(sample_rate); }
   /// Joins the held readings of a chunk of heights, m, in place.
   void join(std::span<float> height) noexcept { steps_.run(height); }
-  /// There is no hand: the next one begins at the surface.
+  /// Removes the hand; the next one begins at the surface.
   void leave() noexcept { steps_.reset(); }
   void begin(const Striker& striker, const ForcePoint& point, BodyModel& body,
              DirectMixer& direct) noexcept;

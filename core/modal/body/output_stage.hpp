@@ -34,7 +34,7 @@ public:
   /// Applies the gain, and with `soft_limit` soft_clip() after it.
   void amplify(ChannelBlock& sound, std::size_t listeners, std::size_t frames,
                bool soft_limit) noexcept;
-  /// Nothing has gone out for a while.
+  /// True if the output has been zero for a while.
   [[nodiscard]] bool silent() const noexcept { return silent_samples_ >= kSilence; }
 
 private:
@@ -42,7 +42,7 @@ private:
   double sample_rate_ = 48000;
   DelayLines delay_{};
   double gain_ = 0.01, smooth_gain_ = 0.01;
-  std::size_t silent_samples_ = kSilence; ///< that have gone out since the last sound
+  std::size_t silent_samples_ = kSilence; ///< sent since the last sound
 };
 
 } // namespace tactus::modal

@@ -12,7 +12,7 @@ public:
   PointMap(const BodyModel& before, const BodyModel& now, bool same_body) noexcept
       : now_(now), size_before_(before.settings.size), same_body_(same_body) {}
 
-  /// A direction along the normal stays so.
+  /// A direction along the normal stays along the normal.
   void move(SurfacePoint& point, Vec3& direction) const noexcept {
     const bool along_normal = direction == point.normal;
     point = moved(point);

@@ -69,7 +69,7 @@ void Strikers::lift_off(std::size_t slot, const BodyModel& body) noexcept {
   const double height = std::max(body.solver.height(slot), 0.0);
   const double landing_speed = std::sqrt(up * up + 2 * kGravity * height);
   const double time = (up + landing_speed) / kGravity;
-  // A flight shorter than a contact is none: the striker stays.
+  // A flight shorter than a contact does not count: the striker stays on the body.
   const bool leaves =
       !contact.settled && std::isfinite(time) && landing_speed > 0 &&
       time > contact.exciter.impact.law().duration(contact.exciter.mass_kg, landing_speed);

@@ -11,7 +11,7 @@
 namespace tactus::modal {
 
 /// The strikers of a body, each in a slot: in contact, in the air between two bounces, as a pulse,
-/// or as a recording. A strike that finds no free slot takes that of the oldest.
+/// or as a recording. If no slot is free, a new strike takes the slot of the oldest.
 class Strikers {
 public:
   /// The most modes times coupled contacts. A strike beyond it is a pulse, unless it is the only
@@ -20,14 +20,14 @@ public:
   /// The most coupled contacts at once; a strike beyond them is a pulse.
   static constexpr std::size_t kMaxCoupled = 16;
 
-  /// `coupled`: else the strike is a pulse, where striker and body allow it. `cull_db`: of a pulse.
+  /// `coupled` false: the strike is a pulse, if striker and body allow it. `cull_db`: for pulses.
   void strike(const Strike& strike, bool coupled, double cull_db, BodyModel& body,
               DirectMixer& direct) noexcept;
   [[nodiscard]] PulseVoices& pulses() noexcept { return pulses_; }
   [[nodiscard]] const PulseVoices& pulses() const noexcept { return pulses_; }
   [[nodiscard]] RecordingVoices& recordings() noexcept { return recordings_; }
 
-  /// Lets so many samples pass.
+  /// Advances the clock by so many samples.
   void advance(std::size_t samples) noexcept { now_ += samples; }
   /// Samples until the next striker lands; kNever: none is in the air.
   [[nodiscard]] std::uint64_t landing_in() const noexcept {

@@ -25,12 +25,12 @@ namespace tactus::modal {
 /// While something touches the body, ContactSolver computes contacts and modes together, sample by
 /// sample. Otherwise the modes ring in ModeBank, which is much cheaper. A body on a board touches
 /// it for as long as anything moves, so that it rings in the solver; strikes that exceed the budget
-/// (Strikers::kMaxCoupledWork) are pulses that excite the bank besides. Sound passes through
+/// (Strikers::kMaxCoupledWork) are pulses that excite the bank in addition. Sound passes through
 /// DirectSound and a DelayLine for each listener.
 ///
-/// process() goes through the parts in order: EventSchedule gives the events that are due, to
-/// Strikers, Hand and RubbingSurface, who begin contacts in the solver; solver or bank and
-/// DirectMixer make the body's sound; FadingBodies and OutputStage make the listeners' of it.
+/// process() runs its parts in this order. EventSchedule passes due events to Strikers, Hand and
+/// RubbingSurface, which begin contacts in the solver. Solver or bank, with DirectMixer, compute
+/// the body's sound. FadingBodies and OutputStage compute from it the sound at the listeners.
 ///
 /// Threads: process(), apply() and all setters belong to one thread (or are called in turn).
 /// publish() may be called from another thread; the new model is taken at the beginning of a block.
@@ -50,7 +50,7 @@ public:
   /// The present model; null before the first.
   [[nodiscard]] const BodyModel* model() const noexcept { return model_.get(); }
 
-  /// The striker of hit(), and the driven one.
+  /// Sets the striker of hit(), which is also the driven one.
   void set_striker(const Striker& striker) noexcept { striker_ = striker; }
   [[nodiscard]] const Striker& striker() const noexcept { return striker_; }
   /// Strikes the body now. False if there is no body or the speed is not above 0.
@@ -74,14 +74,14 @@ public:
   [[nodiscard]] std::vector<double> levels(std::size_t limit);
 
   struct Options {
-    bool coupled = true;       ///< else strikes are half-sine pulses (Pulse)
+    bool coupled = true;       ///< false: strikes are half-sine pulses (Pulse)
     bool driven = false;       ///< `height` of process() moves a striker above the force point
     bool doppler = false;      ///< a moving listener hears the pitch change
     double spring_n_per_m = 0; ///< above 0: the driven striker meets this spring, without sound
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
     bool soft_limit = false;   ///< the sound goes through soft_clip() after the gain
     double cull_db = 90;
-    std::uint64_t seed = 1; ///< of a rub's roughness
+    std::uint64_t seed = 1; ///< of a rub's roughness noise
   };
   /// A new gain is smoothed while something sounds; in silence it is applied at once.
   void set_options(const Options& options) noexcept;
@@ -134,7 +134,7 @@ private:
   void mix_coupled_output(std::size_t from, std::size_t sample) noexcept;
   void add_direct_samples(std::size_t at, std::size_t sample) noexcept;
   // struck_body_adopt.cpp
-  /// What adopt() changes when a new model takes over.
+  /// The effects of an exchange of models by adopt().
   struct Transition {
     bool same_body = false;  ///< its motion continues
     bool resolved = false;   ///< ... in a table whose modes were solved again (ModeShare)

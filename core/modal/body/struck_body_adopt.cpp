@@ -2,7 +2,7 @@
 
 #include <utility>
 
-/// StruckBody: how a new model takes over from the present one.
+/// StruckBody: exchange of the present model for a new one.
 namespace tactus::modal {
 
 void StruckBody::adopt() noexcept {
@@ -71,7 +71,7 @@ void StruckBody::move_points(const BodyModel& before, const Transition& change) 
   strikers_.move_points(map);
 }
 
-/// Lets an exchanged body ring on by itself while it fades out.
+/// Lets an exchanged body ring separately while it fades out.
 void StruckBody::fade_out(const ModelHandover::Use& before, bool gliding) noexcept {
   direct_.exchange_body(*model_, before.get(), gliding);
   const RecordingVoices recordings = std::exchange(strikers_.recordings(), {});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// StruckBody: a block, divided at events, at contacts and where the weights glide on.
+/// StruckBody: a block, divided at events, at contacts and where the glide exchanges its weights.
 namespace tactus::modal {
 namespace {
 

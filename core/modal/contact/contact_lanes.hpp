@@ -4,8 +4,8 @@
 #include "core/modal/contact/contact_kernel.hpp"
 
 /// The loops of ContactKernel, written once for any instruction set and precision. They are
-/// templates on the set, so that the linker never takes a newer processor's code for an older
-/// one's.
+/// templates on the set, so that the linker cannot use code for a newer processor in place of code
+/// for an older one.
 namespace tactus::modal {
 
 template <class Set, class T> class ContactLanes final : public ContactKernel<T> {

@@ -57,7 +57,7 @@ public:
   virtual void flush_pending() noexcept = 0;
   /// Displacement of a contact point, m, after flush_pending().
   [[nodiscard]] virtual double displacement(std::size_t slot) noexcept = 0;
-  /// The sum of b (q' + alpha q) at a contact point, m/s: its velocity but for the decay's part.
+  /// The sum of b (q' + alpha q) at a contact point, m/s: its velocity apart from the decay term.
   [[nodiscard]] virtual double velocity(std::size_t slot) noexcept = 0;
   /// Sets a listener's weights w, Pa s/(m sqrt(kg)).
   virtual void set_weight(std::size_t listener,

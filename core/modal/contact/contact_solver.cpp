@@ -43,7 +43,8 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
 }
 
 bool ContactSolver::choose_steps(double required) noexcept {
-  // Fewer steps only if a quarter is enough or the work is too much: a change costs several steps.
+  // Reduces the steps only if a quarter suffices or the work is too much: a change costs several
+  // steps.
   const bool too_many =
       active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kMinSteps;
   if (required <= steps_ && 4 * required > steps_ && !too_many)
@@ -424,7 +425,7 @@ void ContactSolver::end_finished_contacts() noexcept {
       end(i);
     }
   }
-  // A body that is only rubbed is held: its support stops the recoil that strikes have left.
+  // A body that is only rubbed is supported: this stops the recoil of earlier strikes.
   const auto strikes = [this](std::size_t slot) {
     return contacts_[slot].exciter.kind == Exciter::Kind::kImpact;
   };
@@ -434,10 +435,10 @@ void ContactSolver::end_finished_contacts() noexcept {
     reset_rigid();
 }
 
-/// True if a separated striker cannot meet the surface again. A point moves no further and no
-/// faster than the sum of all modes' amplitudes; of many modes, whose peaks never coincide, than
-/// kPeakToRms times the rms of their sum. Without forces these bounds hold on, and are reused for
-/// kBoundsPeriod samples.
+/// True if a separated striker cannot meet the surface again. Displacement and speed of a point are
+/// at most the sums of all modes' amplitudes; with many modes, whose peaks never coincide, at most
+/// kPeakToRms times the rms of the sum. Without forces these bounds remain valid, so they are
+/// reused for kBoundsPeriod samples.
 bool ContactSolver::separates(std::size_t slot) noexcept {
   const Contact& c = contacts_[slot];
   Slot& s = slots_[slot];

@@ -19,11 +19,11 @@ namespace tactus::modal {
 /// steps that are much shorter than a contact.
 ///
 /// Within a step h every contact force is constant. Modes (z = q' + alpha q + j omega_d q), the six
-/// rigid motions of a free body and the strikers move exactly under it: z goes to
-/// e^(s h) z + b F (e^(s h) - 1)/s. The force laws are those of core/contact (Impact, Friction);
-/// within a step they are linear in the mean velocities, and all forces of a step are solved
-/// together (ContactSystem). The energy that a contact stores is, to rounding, what the bodies
-/// lose, for any step, stiffness or mode.
+/// rigid motions of a free body and the strikers move exactly under it: z goes to e^(s h) z + b F
+/// (e^(s h) - 1)/s. The force laws are those of core/contact (Impact, Friction); within a step they
+/// are linear in the mean velocities, and all forces of a step are solved together (ContactSystem).
+/// The energy that a contact stores equals the energy that the bodies lose, apart from rounding,
+/// for any step, stiffness or mode.
 class ContactSolver {
 public:
   static constexpr std::size_t kRigid = 6;

@@ -16,7 +16,7 @@ struct Pulse {
   double mass_ratio = 0; ///< m M: striker's mass times the body's mobility M
 
   /// Up to this ratio the impulse is within 0.5 dB of the coupled contact's. A heavier striker is
-  /// still there when the body swings back, and touches it again.
+  /// still in reach when the body swings back, which hits it again.
   static constexpr double kMaxMassRatio = 0.4;
 
   /// The pulse's spectrum over its value at 0 Hz: cos(omega T/2) / (1 - (omega T/pi)^2), `radians`

@@ -7,12 +7,12 @@
 
 namespace tactus::modal {
 
-/// The static contact forces of a rigid body that lies on points which can push but not pull.
+/// The static contact forces of a rigid body that rests on points which can push but not pull.
 ///
 /// A force at point i acts on the body's six rigid motions (of unit inertia) by the gains g_i,
 /// 1/sqrt(kg). A constant load acts on the same motions, N/sqrt(kg). Motions that no point resists
-/// (sliding, turning about the line through two points) are taken as held without loss, as friction
-/// or a cord's guides hold them; only the span of the gains is solved.
+/// (sliding, turning about the line through two points) are assumed fixed without loss, as friction
+/// or the guides of a cord fix them; only the span of the gains is solved.
 struct RestEquilibrium {
   using Rigid = std::array<double, 6>;
   /// Contact forces F_i >= 0, N, with sum of (F_i - pressing) g_i = -load within the span. Of many

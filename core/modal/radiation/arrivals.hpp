@@ -46,7 +46,7 @@ public:
 
   virtual ~Arrivals() = default;
   double delay_s = 0;  ///< for the delay line
-  bool silent = false; ///< no part of the body faces the listener
+  bool silent = false; ///< no face of the body is turned to the listener
   /// The number of modes; the rigid motions come after them.
   [[nodiscard]] virtual std::size_t modes() const noexcept = 0;
   /// The length of the responses in samples.

@@ -112,8 +112,8 @@ void DelayLine::exchange(Glide::Exchange exchange, bool had_target) noexcept {
   middle_ = latest_;
   if (exchange == Glide::Exchange::kStart)
     latest_ = limited(target_);
-  else if (had_target) // a moving delay follows the mean, which does not depend on the times
-                       // at which targets arrive
+  else if (had_target) // a moving delay follows the mean of the targets, which does not depend on
+                       // their times of arrival
     latest_ = limited(doppler_ ? target_sum_ / target_age_ : target_);
   target_sum_ = target_age_ = 0;
   // The rest of a limited step follows in the next segments.

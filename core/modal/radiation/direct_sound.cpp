@@ -83,9 +83,9 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
   taps_ = std::min(arrived + static_cast<std::size_t>(tail) + 1,
                    std::max(std::min(kMaxTaps, room), arrived + 1));
   on_surface_ = vertices > 0 && modes.size() * taps_ > kMaxSummed &&
-                std::uint64_t{3} * surface_rows * (taps_ + kLeap) <= kMaxNumbers;
+                std::uint64_t{3} * surface_rows * (taps_ + kTimeBlock) <= kMaxNumbers;
   if (on_surface_)
-    taps_ = (taps_ + kLeap - 1) / kLeap * kLeap;
+    taps_ = (taps_ + kTimeBlock - 1) / kTimeBlock * kTimeBlock;
   const std::size_t numbers = (on_surface_ ? surface_rows : modes.size()) * taps_;
   const std::uint64_t products = std::uint64_t{modes.size()} * numbers * (2 + kMaxMoments);
   const bool shaped = on_surface_

@@ -39,10 +39,10 @@ using ForceMoments = std::array<double, 3>;
 class DirectKernels {
 public:
   static constexpr std::size_t kMaxMoments = std::tuple_size_v<ForceMoments>;
-  /// Modes times taps above which the sums over the modes are taken beforehand; below, the
-  /// beginning of a force costs less than 20 us a listener.
+  /// Modes times taps above which the sums over the modes are computed in advance; below, the
+  /// beginning of a force costs less than 20 us per listener.
   static constexpr std::size_t kMaxSummed = std::size_t{1} << 15;
-  /// Products in those sums above which only moment 0 is used, so that a model is built within some
+  /// Products in those sums above which only moment 0 is used, so that a model is built within
   /// seconds: an error of -2.6 dB of the direct part at 20 kHz (at 48 kHz).
   static constexpr std::uint64_t kMaxProducts = std::uint64_t{1} << 33;
   /// The most floats in the rows of one listener, 256 MB; kernels are truncated to fit.
@@ -99,7 +99,7 @@ public:
   [[nodiscard]] std::size_t moments() const noexcept { return moment_count_; }
   [[nodiscard]] bool has_rigid() const noexcept { return !rigid_moments_.empty(); }
 
-  /// Rows belong to the surface's vertices; else they belong to modes.
+  /// True if rows belong to the surface's vertices, false if they belong to modes.
   [[nodiscard]] bool on_surface() const noexcept { return on_surface_; }
   /// The kernel of a force at a point, sum of b D, for impulses: [taps()] Pa/N. Does not allocate.
   void assemble_samples(std::span<const double> gain, std::span<float> out) const noexcept;

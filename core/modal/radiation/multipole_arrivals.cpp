@@ -152,8 +152,9 @@ private:
     correct_own_frequency(motion, pressure);
   }
 
-  /// Adds a wave under a Hann window, so that the kernel's transfer at the mode's own frequency,
-  /// where it rings, is that of the table's waves there, which cutting the kernel off disturbed.
+  /// Adds a wave under a Hann window that restores the kernel's transfer at the mode's own
+  /// frequency, at which it rings, to that of the table's waves. Truncating the kernel has changed
+  /// it.
   void correct_own_frequency(std::size_t motion, std::span<double> out) const {
     const double turn = omega_[motion] / scene_.sample_rate;
     if (turn * static_cast<double>(samples_) < kMinTurns * 2 * pi || turn >= kMaxPhaseStep)
@@ -188,7 +189,7 @@ private:
       out[i] += cosine * shape[i].real() + sine * shape[i].imag();
   }
 
-  /// What correct_low_frequencies() needs that is the same for every motion.
+  /// The data of correct_low_frequencies() that all motions share.
   struct LowFrequencyFit {
     static constexpr std::size_t kSmooth = 10;
     using Shapes = std::array<double, kSmooth>;

@@ -11,7 +11,7 @@ namespace tactus::modal {
 namespace {
 
 constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: the surface is resolved up to it
-constexpr double kNearest = 1e-4;           // m, to a source: closer the integral means nothing
+constexpr double kNearest = 1e-4;           // m, to a source: closer the integral is not valid
 
 } // namespace
 

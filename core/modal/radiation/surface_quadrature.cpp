@@ -68,7 +68,7 @@ public:
   }
 
 private:
-  /// A place on the edge, and the angle u at which it is seen, from the edge's normal.
+  /// A point on the edge, and the angle u at which it is seen, measured from the edge's normal.
   struct End {
     double along = 0, angle = 0, sine = 0, cosine = 1;
   };
@@ -99,7 +99,7 @@ public:
     const Vec3 centre = (corner_[0] + corner_[1] + corner_[2]) * (1.0 / 3);
     const double to_centre = norm(listener_ - centre);
     const double distance = std::max(to_centre - 0.6 * edge, nearest_);
-    double turn = 0; // of the phase, m: from the middle to the corners; and the curvature counts
+    double turn = 0; // largest difference of distance from the centre to a corner, m
     for (const Vec3& corner : corner_)
       turn = std::max(turn, std::abs(norm(listener_ - corner) - to_centre));
     const double phase = wavenumber * std::min(edge, 2 * turn + edge * edge / (2 * distance));
@@ -124,11 +124,12 @@ private:
     }
   }
 
-  /// On the plane of a triangle at the distance H, dS = r dr dphi = d dd dphi with d^2 = H^2 + r^2:
-  /// the surface between two distances is exactly known by the angles that the circle of radius r
-  /// has within the triangle. Between the distances at which that circle meets a corner or touches
-  /// an edge it changes smoothly, but for square roots at their ends, for which the steps become
-  /// short there: d = a + (b - a) (s - sin(2 pi s)/(2 pi)), s at the middles of n equal steps.
+  /// On the plane of a triangle at the distance H, dS = r dr dphi = d dd dphi with d^2 = H^2 + r^2.
+  /// The surface between two distances follows exactly from the angles of the circle of radius r
+  /// that lie within the triangle. Between the distances at which that circle meets a corner or
+  /// touches an edge, these angles change smoothly, apart from square roots at both ends. The steps
+  /// are therefore short there: d = a + (b - a) (s - sin(2 pi s)/(2 pi)), s at the middles of n
+  /// equal steps.
   void add_arcs(const Vec3& twice, double step, double fewest) {
     const Vec3 normal = twice * (1 / norm(twice));
     const double height = dot(listener_ - corner_[0], normal);

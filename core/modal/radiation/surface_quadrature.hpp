@@ -17,19 +17,20 @@ struct SurfaceSource {
   double area_m2 = 0, distance_m = 0;
 };
 
-/// A large surface is resolved up to a lower wavenumber than asked for, so that there are no more
-/// than these: they grow with the size of a triangle, so that only bodies of many metres with many
-/// triangles have as many.
+/// Limit of the number of quadrature points: a larger surface is resolved up to a lower wavenumber
+/// than requested. The number grows with the size of a triangle, so that only bodies of many metres
+/// with many triangles reach the limit.
 inline constexpr std::size_t kMaxSurfaceSources = 2'000'000;
 
 /// Quadrature points for integrals over triangles of smooth functions times exp(-j k d)/d, d the
 /// distance to the listener.
 ///
 /// The rule of a triangle has degree 1, 2 or 5 (Strang & Fix 1973; Radon 1948), by its longest edge
-/// h compared with wavelength and distance; where k h > 2 or h > d the triangle is cut into the
-/// arcs of equal distance, whose length and mean place are known exactly: d dd dphi is the surface
-/// between two distances, so that there are as many sources as a triangle is long in wavelengths,
-/// not as it is large. A flat piston comes out within 0.01 dB up to that k.
+/// h compared with wavelength and distance. Where k h > 2 or h > d the triangle is divided into
+/// arcs of equal distance, whose length and mean position are known exactly: d dd dphi is the
+/// surface between two distances. The number of sources then grows with the triangle's length in
+/// wavelengths, not with its area. The pressure of a flat piston is exact within 0.01 dB up to that
+/// k.
 ///
 /// `listener`: m. `size`: scales the surface. `wavenumber`: the largest k, 1/m. `nearest`: smaller
 /// distances are set to this, m. At most kMaxSurfaceSources.

@@ -9,7 +9,7 @@
 namespace tactus::modal {
 namespace {
 
-/// 1/s of a mode, whichever way its table gives it.
+/// Decay rate of a mode, 1/s, from the table's decay rates or else its loss factors.
 double decay_rate_of(const ModalTable& table, std::size_t mode) {
   return table.decay_rate.empty()
              ? std::numbers::pi * table.frequency_hz[mode] * table.loss_factor[mode]

@@ -12,8 +12,8 @@
 
 namespace tactus::modal {
 
-/// A table and what follows from it alone; shared by all models of the body. Or two bodies in one
-/// list of modes: a body and the board it lies on.
+/// A table and the data derived from it alone; shared by all models of the body. It may combine two
+/// bodies in one list of modes: a body and the board on which it lies.
 struct LoadedTable {
   ModalTable table;
   Surface surface;
@@ -23,22 +23,22 @@ struct LoadedTable {
   std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
-  /// The same body in another shape, solved again: `share` says how the modes of `before` go on as
-  /// those of the new table. It must have the triangles of `before`, and no board.
+  /// The same body in another shape, solved again: `share` relates the modes of `before` to those
+  /// of the new table. It must have the triangles of `before`, and no board.
   LoadedTable(ModalTable solved, const LoadedTable& before, std::vector<ModeShare> share);
-  /// Both: modes by frequency, each with its shape on its own body and none on the other; the
-  /// body's vertices and triangles first, then the board's, displaced by so many metres in the
-  /// body's axes. Mass, inertia, material, air and shape
-  /// parameters are the body's. `refusal()` must be empty.
-  /// Memory: 12 bytes for every mode of both at every vertex of both, besides the two tables.
+  /// Combines both: modes by frequency, each with its shape on its own body and zero on the other;
+  /// the body's vertices and triangles first, then the board's, displaced by so many metres in the
+  /// body's axes. Mass, inertia, material, air and shape parameters are the body's. `refusal()`
+  /// must be empty. Memory: 12 bytes for every mode of both at every vertex of both, besides the
+  /// two tables.
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);
   /// The body solved again on the same board: the new body must follow the one of `before`.
   LoadedTable(const std::shared_ptr<const LoadedTable>& body, const LoadedTable& before);
-  LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
+  LoadedTable(const LoadedTable&) = delete; // `radiating` points to `surface`
   LoadedTable& operator=(const LoadedTable&) = delete;
 
-  /// Why the one cannot lie on the other, else empty.
+  /// Reason why `body` cannot lie on `board`; else empty.
   [[nodiscard]] static std::string refusal(const LoadedTable& body, const LoadedTable& board);
 
   struct Part {

@@ -110,18 +110,19 @@ struct ModalTable {
 inline constexpr std::size_t kMaxModes = 20000;
 inline constexpr std::size_t kMaxVertices = 5'000'000;
 
-/// How far a mode of the earlier shape goes on as a mode of the new one: their modal coordinates
-/// are z_now = sum over before of share z_before. The shares are a partial isometry, so that no
-/// energy arises: +-1 for a mode that keeps its shape, a rotation among modes of like frequency
-/// that mix, nothing for a mode that has no successor.
+/// The share of a mode of the earlier shape in a mode of the new one: the modal coordinates are
+/// z_now = sum over before of share z_before. The shares are a partial isometry, so that they add
+/// no energy: +-1 for a mode that keeps its shape, a rotation among modes of similar frequency that
+/// mix, none for a mode without a successor.
 struct ModeShare {
   std::uint32_t before = 0, now = 0; ///< numbers of the modes
   double share = 0;                  ///< -1..1
 };
 
-/// How many modes to keep so that `count` cut no group of near-equal frequencies: all of its last
-/// group. Any directions of a group's modes are right, so a part of it would be heard by how the
-/// body is turned. Near is a gap below 0.1 %, and below a tenth of a plate's mean one, 1 / mode.
+/// The number of modes to keep, at least `count`, so that no group of near-equal frequencies is
+/// cut. The directions of the modes within such a group are arbitrary, so that the sound of a part
+/// of it would depend on how the body is turned. Near-equal: a gap below 0.1 %, and below a tenth
+/// of the mean gap of a plate's modes, 1 / mode.
 [[nodiscard]] inline std::size_t with_whole_groups(std::span<const double> frequency_hz,
                                                    std::size_t count) noexcept {
   const auto& f = frequency_hz;

@@ -29,8 +29,8 @@ std::string share_refusal(std::span<const ModeShare> shares, std::size_t before,
   return {};
 }
 
-/// Coefficients [row][offset[K]] of spherical waves of a table or its band, mode by mode those of
-/// the modes before.
+/// Maps the spherical waves of a table or its band, coefficients [row][offset[K]]: each new mode
+/// gets the sum over its shares of the earlier modes' coefficients.
 template <class Waves>
 void map_waves(std::span<const ModeShare> shares, std::size_t rows, const Waves& before,
                Waves& now) {

@@ -11,19 +11,19 @@ namespace tactus::modal {
 /// An answer of `modal_fem serve`: a body in another shape.
 struct ResolvedModes {
   ModalTable table;
-  std::vector<ModeShare> share; ///< of the modes before
+  std::vector<ModeShare> share; ///< of the earlier modes
   double seconds = 0, fraction = 1;
 };
 
-/// Checks an answer against the table `before`, whose shapes may have been taken out, and adds what
-/// the program does not solve again. It must have as many vertices and triangles, the same
-/// parameters, and shares whose squares sum to at most 1 for every mode on either side. Returns a
-/// sentence when something does not fit, and then leaves `resolved` half complete; else an empty
-/// one. Allocates.
+/// Checks an answer against the table `before`, whose shapes may have been removed, and adds the
+/// arrays that the program does not solve again. The answer must have as many vertices and
+/// triangles, the same parameters, and shares whose squares sum to at most 1 for every mode on
+/// either side. Returns a sentence when something does not fit, and then leaves `resolved` half
+/// complete; else an empty one. Allocates.
 ///
-/// Kept from the table are the triangles; `resid` and `raw_*` as they were; `alpha_rad`, `mp_*` and
-/// `mp_band_*` of each mode as the sum over shares of what the modes before had (of `alpha_rad`
-/// with the shares' squares), none for a mode that follows none.
+/// Copied from `before` are the triangles, `resid` and `raw_*`. `alpha_rad`, `mp_*` and `mp_band_*`
+/// of a mode are the sums over its shares of the earlier modes' values (for `alpha_rad` with the
+/// squares of the shares), and zero for a mode without a predecessor.
 [[nodiscard]] std::string complete_resolved_modes(const ModalTable& before,
                                                   ResolvedModes& resolved);
 

@@ -86,8 +86,7 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
-  /// Takes as its last count samples those that came out of another line of the same size at that
-  /// delay.
+  /// Sets its last count samples to the output of another line of the same size at that delay.
   void follow(const BoreLine& other, double delay, int count) noexcept {
     const int first = first_of(delay);
     const std::array<double, kPoints> h = weights(delay - first);
@@ -100,7 +99,7 @@ public:
       line_[slot(written_ - i)] = sum;
     }
   }
-  /// Where the next samples go; room() of them are contiguous.
+  /// Memory for the next samples; room() of them are contiguous.
   [[nodiscard]] V* next() noexcept { return line_.data() + written_; }
   [[nodiscard]] int room() const noexcept { return static_cast<int>(mask_ + 1 - written_); }
   /// Accepts count samples written at next().

@@ -15,8 +15,8 @@
 
 namespace tactus::reed {
 
-/// The bore of a ReedBank as a digital waveguide: from the wave p+ that the valve sends to the wave
-/// p- that comes back, and to the sound outside.
+/// The bore of a ReedBank as a digital waveguide: from the wave p+ out of the valve to the wave p-
+/// that returns to it, and to the sound outside.
 ///
 ///   p-(s) = R(s) exp(-2 s L/c - G sqrt(s)) p+(s)
 ///
@@ -27,8 +27,7 @@ namespace tactus::reed {
 /// takes several samples, so that p- of a block is known before the valve moves.
 ///
 /// V is double, or simd::Lanes for several reeds on equal bores; only the first lane is radiated.
-/// Sample counts are internal ones, after oversampling, unless said. prepare() allocates, nothing
-/// else does.
+/// Sample counts are internal ones, after oversampling, unless stated. Only prepare() allocates.
 template <class V, int max_count> class BoreWaveguide {
 public:
   static constexpr double kDenormalLimit = 1e-20; // smaller states become 0: denormals are slow
@@ -40,7 +39,7 @@ public:
     radiation_.prepare(highest_rate);
   }
 
-  /// Takes shape, losses, end and radiation of these parameters at once; the length follows by
+  /// Sets shape, losses, end and radiation to these parameters at once; the length is set by
   /// set_length(). The air keeps its state.
   void set(const Parameters& parameters, double sample_rate, int oversampling) noexcept {
     sample_rate_ = sample_rate;
@@ -68,7 +67,7 @@ public:
       radiation_.set(radiation_to_);
     gliding_ = false;
   }
-  /// What the bore ends in, which must outlive its use here; null: an open end.
+  /// Sets the termination of the bore, which must outlive its use here; null: an open end.
   void set_end(const Termination* end) noexcept {
     if (end == design_.end())
       return;
@@ -107,7 +106,8 @@ public:
   [[nodiscard]] const BoreDesign& design() const noexcept { return design_; }
 
   /// Share of the register vent that is open, 0 to 1, reached within kVentTime, or at once. The
-  /// line is in two parts from its first opening until all that was sent meanwhile has passed.
+  /// line is in two parts from the first opening until all waves sent with an open vent have
+  /// passed.
   void set_vent(double open, bool at_once) noexcept {
     const bool vent_usable = vent_.share > 0 && length_ > vent_.position + kMinLengthBelowVent;
     const double target = vent_usable ? open : 0,
@@ -151,8 +151,8 @@ public:
       room = std::min({room, line_.max_block(above), below_.room()});
     return std::min({wanted, room, line_.room()});
   }
-  /// p- of the next count samples, Pa, where p+ is to be written in its place before advance().
-  /// leaving: what leaves the end of the bore, for radiate().
+  /// Returns p- of the next count samples, Pa; p+ must be written in its place before advance().
+  /// leaving: receives the wave that leaves the end of the bore, for radiate().
   [[nodiscard]] V* propagate(int phase, double* leaving, int count) noexcept {
     const double above = divided_ ? parts_.above.delay : 0;
     V* wave = line_.next();
@@ -172,7 +172,7 @@ public:
     return wave;
   }
   void advance(int count) noexcept { line_.advance(count); }
-  /// What leaves the bore becomes the pressure at 1 m, Pa, in place.
+  /// Converts the wave that leaves the bore to the pressure at 1 m, Pa, in place.
   void radiate(double* leaving, int count) noexcept {
     if (holes_.active()) {
       radiation_.steepen(leaving, count, steepening_length_);
@@ -182,7 +182,7 @@ public:
     }
   }
 
-  /// The air still.
+  /// Sets the air to rest.
   void clear() noexcept {
     line_.clear();
     below_.clear();
@@ -192,7 +192,8 @@ public:
     radiation_.reset();
     holes_.reset();
   }
-  /// Once per control period. Also begins a fingering that waited for the last to be blended in.
+  /// Due once per control period. Also begins the fade to a fingering that waited for the last
+  /// fade.
   void flush_denormals() noexcept {
     const auto flush = [](auto& value) {
       using Value = std::remove_reference_t<decltype(value)>;
@@ -213,7 +214,7 @@ public:
       });
     }
   }
-  /// False when the radiated sound is no number or beyond all physics.
+  /// False when the radiated sound is NaN or beyond any physical value.
   [[nodiscard]] bool is_bounded() const noexcept { return radiation_.is_bounded(); }
 
 private:
@@ -277,8 +278,8 @@ private:
               leaving + i, 1);
     }
   }
-  /// wave: what the line above the vent sends back to the valve. below: what comes from the part
-  /// below the vent becomes what that part receives.
+  /// wave: receives the wave that the line above the vent returns to the valve. below: the wave
+  /// from the part below the vent is replaced by the wave into that part.
   [[gnu::noinline, gnu::flatten]] void pass_vent(V* wave, V* below, int phase, int count) noexcept {
     line_.read(parts_.above.delay, kDenormalLimit, wave, count);
     typename RoundTripFilter<V>::BlockFilter losses(above_filter_, parts_.above, 0);

@@ -11,8 +11,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// (1 - x)(n_0 + n_1 x), x = z^-1, as b_0 + b_1 x + b_2 x^2: rises by `slope` times 1 - x from 0,
-/// and is as large as size(omega T, x) says at 8 kHz.
+/// (1 - x)(n_0 + n_1 x), x = z^-1, as b_0 + b_1 x + b_2 x^2: rises from 0 as `slope` times 1 - x,
+/// and has the magnitude size(omega T, x) at 8 kHz.
 template <class Size>
 std::array<double, 3> numerator(double slope, double period, const Size& size) {
   const double omega = std::min(2 * std::numbers::pi * 8e3 * period, 2.0);

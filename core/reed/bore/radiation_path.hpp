@@ -23,9 +23,9 @@ namespace tactus::reed {
 /// is higher. A piece at the pressure a arrives earlier by (simple wave in a tube; Hirschberg,
 /// Gilbert, Msallam & Wijnands 1996)
 ///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a   seconds.
-/// Steepening computes it, shocks included. The bore itself is linear: there the way back undoes
-/// the steepening of the way out (docs/results/greed.md). brassiness > 1 stands for a louder wave
-/// than the bore's own.
+/// Steepening computes it, shocks included. The bore itself is linear: in it the return path undoes
+/// the steepening of the outward path (docs/results/greed.md). brassiness > 1 stands for a louder
+/// wave than the bore's own.
 struct RadiationConstants {
   bool plain = true; // bell = 0
   // y = b0 x + b1 x_1 + b2 x_2 - a1 y_1 - a2 y_2: poles, slope at 0 Hz and gain at 8 kHz are exact.
@@ -40,7 +40,8 @@ struct RadiationConstants {
                                         const RadiationConstants& to, double share) noexcept;
 };
 
-/// The filter of RadiationConstants with its state: the sound at 1 m of what leaves the bore.
+/// The filter of RadiationConstants with its state: from the wave that leaves the bore to the sound
+/// at 1 m.
 class RadiationPath {
 public:
   static constexpr int kMaxRun = Steepening::kMaxRun; // internal samples of one run
@@ -59,7 +60,7 @@ public:
   }
   /// Weight of the reflected wave b in the input: 1 for the plain end (a - b), else 0 (a).
   [[nodiscard]] double reflected_weight() const noexcept { return constants_.plain ? 1 : 0; }
-  /// False when a state is no number or above 1e9.
+  /// False when a state is NaN or above 1e9.
   [[nodiscard]] bool is_bounded() const noexcept {
     return size(wave1_) < 1e9 && size(sound1_) < 1e9 && size(sound2_) < 1e9 &&
            steepening_.is_bounded();

@@ -39,9 +39,9 @@ struct RegisterVent {
   [[nodiscard]] std::complex<double> at(std::complex<double> s) const noexcept {
     return share / (1.0 + s / corner);
   }
-  /// Round trip of the line without its vent, for the same reflection below the vent, given that of
-  /// the line with it. vent_path: the factor of the path from the reed to the vent and back. For
-  /// small waves.
+  /// Converts the round trip of the line with its vent to that of the line without it, for the same
+  /// reflection below the vent. vent_path: the factor of the path from the reed to the vent and
+  /// back. For small waves.
   [[nodiscard]] std::complex<double> without_vent(std::complex<double> s,
                                                   std::complex<double> round_trip,
                                                   std::complex<double> vent_path) const noexcept {

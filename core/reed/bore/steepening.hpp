@@ -23,7 +23,7 @@ namespace tactus::reed {
 /// between samples, with the aliasing of a step behind a rectangular window. The droop of that
 /// window is compensated (0.04 dB to 10 kHz at 44.1 kHz).
 ///
-/// The wave comes out delay() samples later. Times are in samples unless said. Only prepare()
+/// The output is delayed by delay() samples. Times are in samples unless stated. Only prepare()
 /// allocates.
 class Steepening {
 public:
@@ -38,7 +38,7 @@ public:
   void reset() noexcept;
   /// Delay of a weak wave, samples; half of one is that of the mean.
   [[nodiscard]] double delay() const noexcept { return max_shift_ + kLookAhead + 1.5; }
-  /// False when the input was no number or unbounded.
+  /// False when the input was NaN or unbounded.
   [[nodiscard]] bool is_bounded() const noexcept { return is_bounded(potential_); }
 
   /// Replaces count <= kMaxRun samples of a wave in Pa by the arriving wave; lead >= 0 in samples

@@ -136,7 +136,7 @@ template <std::size_t capacity> struct FreeParameters {
   }
 };
 
-/// What to add to the free numbers: least squares of the error of the sampled impulse response from
+/// Corrections of the free numbers: least squares of the error of the sampled impulse response from
 /// 80 Hz to 12.5 kHz and, with a small weight, from there to the Nyquist frequency. The error at 0
 /// Hz is left out, because `direct` corrects it.
 template <std::size_t capacity>

@@ -26,7 +26,7 @@ public:
   [[nodiscard]] Breath draw(const V* mouth_pressure, double share, double rate,
                             int count) noexcept {
     const double strength = share * std::sqrt(rate / 48e3);
-    if (share > kFaint) { // never more than what drives the jet
+    if (share > kFaint) { // limited to the pressure that drives the jet
       for (int i = 0; i < count; ++i)
         noise_[static_cast<std::size_t>(i)] = std::clamp(strength * random_.normal(), -0.9, 0.9);
       return {mouth_pressure, noise_.data()};
@@ -42,7 +42,8 @@ public:
 
 private:
   /// Up to this level noise is uniform and a share of the mouth pressure, which costs a fraction of
-  /// the jet's own noise. It is too faint to matter that it continues when the valve shuts.
+  /// the jet's own noise. It does not stop while the valve is shut, which is inaudible at this
+  /// level.
   static constexpr double kFaint = std::is_same_v<V, double> ? 1e-5 : 1e-3;
 
   Random random_{};

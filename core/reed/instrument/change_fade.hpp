@@ -38,7 +38,7 @@ public:
     if (restarted)
       breath_to_ = 0;
   }
-  /// Ends fades and silence: where nothing sounds there is nothing to hide.
+  /// Ends fades and silence, which are not needed while nothing sounds.
   void end_silence() noexcept {
     from_ = to_ = breath_from_ = breath_to_ = 1;
     silence_left_ = 0;
@@ -60,8 +60,8 @@ public:
 
   /// Factor of all outputs at the end of this control period.
   [[nodiscard]] double gain() const noexcept { return to_; }
-  /// The same of the mouth pressure, which rises slowly after a restart. It does not fall while the
-  /// sound fades out: a reed that is released sends a pulse.
+  /// The same for the mouth pressure, which rises slowly after a restart. It does not fall while
+  /// the sound fades out, because a reed that is released emits a pulse.
   [[nodiscard]] double breath_gain() const noexcept { return breath_to_; }
   /// Apply the factors to count samples, the first of them `phase` samples after the beginning of
   /// the control period.

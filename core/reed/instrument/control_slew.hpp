@@ -31,7 +31,7 @@ public:
 
 private:
   static constexpr double kTime = 5e-3; // s
-  /// 1/s: what moves by less than an octave in 30 ms is followed without delay.
+  /// 1/s: a control that moves by less than an octave in 30 ms is followed without delay.
   static constexpr double kMaxImmediateRate = 25;
   double gain_ = 1, max_immediate_step_ = 0;
 };

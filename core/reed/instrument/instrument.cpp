@@ -24,8 +24,8 @@ void update_control(double& last_good, double value) noexcept {
 
 } // namespace
 
-/// One step of a linear ramp to the parameters' gain within ParameterGlide::kTime; before the first
-/// sample the gain is there at once.
+/// One step of a linear ramp to the parameters' gain within ParameterGlide::kTime. Before the first
+/// sample the gain is set at once.
 void Instrument::update_gain() noexcept {
   const Parameters& p = bank_.parameters();
   const double target_gain = p.tune ? p.gain * p.played_gain : p.gain;

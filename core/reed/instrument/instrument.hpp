@@ -24,7 +24,7 @@ public:
   static constexpr double kHighestPressure = ReedBank<double>::kHighestPressure;
 
   /// sample_rate in Hz, clamped to 1 kHz..1 MHz. The same rate again changes nothing; another rate
-  /// starts the air from rest. Blocks may have any size, whatever max_block says.
+  /// starts the air from rest. Blocks may have any size, independent of max_block.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (clamped()). While the instrument sounds, numbers are
   /// interpolated over some 16 ms; switches and words fade the sound out and in (ChangeFade).
@@ -35,8 +35,8 @@ public:
     bank_.set(parameters);
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
-  /// Tongues the note: the breath stops for some 5 ms and returns at once. Only with `tune`, where
-  /// a player plays.
+  /// Tongues the note: the breath stops for some 5 ms and returns at once. Only with `tune`, which
+  /// enables the player model.
   void articulate() noexcept { bank_.articulate(); }
   /// With `tune`: sets the holes of Parameters::end one by one, the register vent and then the tone
   /// holes from the reed down (1 closed, 0 open, in between partly covered), until release_holes()
@@ -46,7 +46,7 @@ public:
   [[nodiscard]] bool finger_holes(std::span<const double> closed) noexcept;
   /// Back to the standard fingerings of notes.
   void release_holes() noexcept { bank_.finger(nullptr); }
-  /// Valve at rest, air still, noise from its beginning.
+  /// Sets valve and air to rest and restarts the noise sequence.
   void reset() noexcept;
   /// reset() without a click while the instrument sounds: the sound fades out in 8 ms, and the
   /// note's new start is heard 0.15 s later.

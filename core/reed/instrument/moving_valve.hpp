@@ -28,7 +28,8 @@ public:
 
   /// Sets deflection, velocity and all flows to 0.
   void reset() noexcept { state_ = {}; }
-  /// Whether nothing sounds: lips that move then take the valve with them, and it moves no air.
+  /// Sets whether nothing sounds. Lips that move in silence carry the valve along without moving
+  /// air.
   void rest(bool still) noexcept { still_ = still; }
   /// Sets pressures and flows to 0; the valve keeps deflection and velocity.
   void clear_air() noexcept {
@@ -53,7 +54,7 @@ public:
            !beyond(state_.velocity(), 1e9);
   }
 
-  /// Takes these constants at once. The valve stays where it is, within the new stops; at_rest: it
+  /// Takes these constants at once. The valve keeps its position, within the new stops; at_rest: it
   /// starts at rest.
   void jump_to(const ValveConstants& constants, bool at_rest) noexcept {
     const ValveConstants old = constants_;
@@ -122,8 +123,8 @@ public:
 private:
   static constexpr int kSubsteps = 4; // of the constants, in a control period
 
-  /// Keeps the valve where it was under the constants `old`, unless the new stops or the new side
-  /// are in its way.
+  /// Keeps the position that the valve had under the constants `old`, limited by the new stops and
+  /// by the new side.
   void reposition(const ValveConstants& old, bool at_rest) noexcept {
     if (at_rest) {
       state_ = {};
@@ -188,7 +189,7 @@ private:
   V omega_from_{1.0}, omega_to_{1.0};
   bool still_ = false;
   bool omega_moves_ = false, constants_move_ = false, coefficients_due_ = true;
-  ReedCoefficients<V> steady_coefficients_{};                        // while omega_r stands
+  ReedCoefficients<V> steady_coefficients_{};                        // while omega_r is constant
   std::array<ReedCoefficients<V>, max_count> moving_coefficients_{}; // one a sample while it moves
 };
 

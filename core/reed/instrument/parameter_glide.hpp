@@ -32,7 +32,7 @@ public:
     current_ = periods_left_ == 1 ? target : interpolate(current_, target, 1.0 / periods_left_);
     --periods_left_;
   }
-  /// Takes the valve as the player's lips hold it.
+  /// Sets the present parameters to those with the player's lips.
   void follow(const Parameters& held) noexcept { current_ = held; }
 
 private:

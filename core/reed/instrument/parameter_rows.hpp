@@ -7,14 +7,13 @@
 #include <limits>
 #include <string_view>
 
-/// Everything that is known of a parameter of a reed instrument, a row each: the member of
-/// Parameters, name, unit, range, how a change is made while the instrument sounds, and what a
-/// preset does with it.
+/// One row per parameter of a reed instrument: the member of Parameters, name, unit, range, how a
+/// change is made while the instrument sounds, and how presets treat it.
 namespace tactus::reed {
 
-/// How a changed parameter takes effect while the instrument sounds: it glides or jumps, if the
-/// change is no larger than a factor or a difference; else in silence, from which the note goes on,
-/// or, with a change beyond the second limit, starts from rest.
+/// How a changed parameter takes effect while the instrument sounds. It glides or jumps if the
+/// change is within a factor or a difference. Larger changes are made in silence. After the silence
+/// the note continues or, if the change exceeds the second limit, starts from rest.
 struct Change {
   static constexpr double kAny = std::numeric_limits<double>::max();
   bool glide = false;
@@ -42,8 +41,9 @@ constexpr Change player(Change change) {
 }
 
 struct Row : Parameter {
-  /// What a preset does: sets it; sets it, and is still that preset when it differs; leaves it.
-  enum class Preset { kSets, kSetsLoosely, kLeaves };
+  /// A preset sets the parameter; sets it, but other values still count as the preset; or leaves
+  /// it.
+  enum class Preset { kSets, kSetsAdjustable, kLeaves };
   Change change;
   Preset preset = Preset::kSets;
 };
@@ -100,7 +100,7 @@ inline constexpr std::array kRows{
         restarts()},
     Row{member<&Parameters::length_override>.row(
             "length", "m", 0, 20, "bore length; above 0 it replaces the bore frequency"),
-        jumps(1.25, 2), Row::Preset::kSetsLoosely},
+        jumps(1.25, 2), Row::Preset::kSetsAdjustable},
     Row{member<&Parameters::length>.row(
             "own_length", "m", 0.005, 20,
             "bore length while neither `length` nor the signal f_b sets it"),
@@ -159,14 +159,14 @@ inline constexpr std::array kRows{
     Row{member<&Parameters::fingering>.row(
             "fingering", "", 0, 127,
             "MIDI note that is fingered, with `tune`; it replaces f_b; 0: none"),
-        jumps(), Row::Preset::kSetsLoosely},
+        jumps(), Row::Preset::kSetsAdjustable},
     Row{member<&Parameters::tube>.row("tube", "switch, with `tune` and `end trumpet` or "
                                               "`trombone`: 1 plays f_b with valves or slide"),
         player(fades())},
     Row{member<&Parameters::slide>.row(
             "slide", "", 0, 7,
             "slide position 1 to 7, with `tune` and `end trombone`; 0: chosen by the player"),
-        jumps(), Row::Preset::kSetsLoosely},
+        jumps(), Row::Preset::kSetsAdjustable},
     Row{member<&Parameters::embouchure>.row(
             "embouchure", "", 0, 10,
             "ratio f_r/f_b of the lips, with `tune`; the signal f_r bends it; 0: f_r as given"),
@@ -246,7 +246,7 @@ inline constexpr std::array kRows{
         jumps()},
     Row{member<&Parameters::gain>.row("gain", "1/Pa", 0, 1000,
                                       "gain of the sound, before its soft clip"),
-        jumps(), Row::Preset::kSetsLoosely},
+        jumps(), Row::Preset::kSetsAdjustable},
 };
 
 } // namespace tactus::reed

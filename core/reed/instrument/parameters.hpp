@@ -73,12 +73,13 @@ struct Parameters {
   double highest_mode = 0;     // of the bore that lips play; 0: that nearest to the bore's length
   double shortest_tract = 0;   // m, to which a singer shortens the bore for high notes; 0: never
   double steepening = 0;       // brassiness counts this many wavelengths; 0: lengths of the bore
-  double aim = 0; // cents added to f_b for linear theory, against the shift at playing level
+  double aim = 0; // cents added to f_b for linear theory: compensates the pitch shift at playing
+                  // level
   double lip_mass = 1;
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
-  double lip_limit = 1;   // of x_max: loud lips that meet it change regime
+  double lip_limit = 1;   // of x_max: lips that reach it at loud levels change regime
   double lip_channel = 1; // of lambda: the jet's inertance includes air on both sides of the tip
   double lip_cup = 1;     // of cup_volume: the reed's own compliance is part of a cone's tip
   double played_gain = 1; // of gain

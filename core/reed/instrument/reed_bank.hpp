@@ -84,7 +84,7 @@ public:
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return bore_.length(); }
 
-  /// Valve at rest, air still, noise from its beginning, at once.
+  /// Sets valve and air to rest and restarts the noise sequence, at once.
   void reset() noexcept {
     starting_ = true;
     phase_ = kControlPeriod;
@@ -230,8 +230,8 @@ private:
     valve_.move_to(valve_constants(glide_.current()));
   }
 
-  /// Lips and valve as the player holds them: within this control period while a note sounds, else
-  /// at once.
+  /// Sets lips and valve as the player chooses: within this control period while a note sounds,
+  /// else at once.
   void follow_player(const Parameters& valve) noexcept {
     glide_.follow(valve);
     if (player_.plays() && !starting_)
@@ -346,7 +346,8 @@ private:
   double sample_rate_ = 0;
   int oversampling_ = 1, phase_ = kControlPeriod; // samples since control()
   bool starting_ = true;                          // nothing has sounded yet
-  Parameters requested_{}, parameters_{}; // the second with the tube that is played, if one is
+  Parameters requested_{}, parameters_{}; // parameters_: with the tube of a brass instrument, if
+                                          // one is played
   double trim_ = 0;
   double peak_pressure_ = 0; // bore pressure since the last control period, Pa
   MovingValve<V, kChunk> valve_{};

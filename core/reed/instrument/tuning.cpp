@@ -91,7 +91,7 @@ private:
   Complex s_, lumped_, end_;
   double reed_frequency_, nominal_length_;
   RegisterVent vent_{};
-  Complex vent_round_trip_ = 1; // and back
+  Complex vent_round_trip_ = 1; // from the reed to the vent and back
 };
 
 double aimed_frequency(const Parameters& parameters, double bore_frequency) {

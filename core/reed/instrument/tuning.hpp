@@ -7,7 +7,7 @@ namespace tactus::reed {
 
 /// Fingering of a note: open holes and register vent.
 struct Fingering {
-  const Termination* end = nullptr; // what the bore ends in; null: an open end
+  const Termination* end = nullptr; // termination of the bore; null: an open end
   bool vented = false;              // the register vent is open: the note is overblown
 
   friend bool operator==(const Fingering&, const Fingering&) = default;
@@ -51,7 +51,8 @@ struct PlayingSetup {
 ///
 /// The lips change the valve by Parameters::lip_... The length is tuned_length() of that valve at
 /// usual playing pressures: 1.5 times the threshold for reeds, 2.5 times for lips. Linear theory
-/// does not know how pitch shifts with amplitude; Parameters::aim (cents, added to f_b) does.
+/// does not contain the shift of pitch with amplitude; Parameters::aim (cents, added to f_b)
+/// compensates it.
 ///
 /// With an embouchure (lips, folds, membranes) the valve follows the note. Its frequency becomes
 /// embouchure * f_b at constant stiffness (a lower note moves more mass), so that threshold and

@@ -93,8 +93,8 @@ template <class V> struct ReedCoefficients {
 
 /// State of valve, jet and the lumped elements at the bore's input.
 ///
-/// Deflection, velocity and bore pressure are kept in two parts: base values and the linear effect
-/// of the last flow on them. step_valve() says why.
+/// Deflection, velocity and bore pressure are stored in two parts: base values and the linear
+/// effect of the last flow on them. step_valve() gives the reason.
 template <class V> struct ValveState {
   V jet{0.0};             // mean of u over the last sample, m/s
   V jet_history{0.0};     // (1 - 1/theta) u at that sample's beginning

@@ -19,7 +19,7 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   c.paper = p.flow == FlowMethod::kPaper;
   c.direction = !c.swinging && p.rest_angle < 0 ? -1 : 1;
   const double rest = p.arm_length * p.rest_angle * c.direction;
-  // A valve whose rest lies beyond its own limit is held there.
+  // A valve whose rest position lies beyond its own limit is fixed there.
   c.rest_opening = std::fmin(std::fmax(rest, -p.displacement_limit), p.displacement_limit);
   c.lowest = (c.swinging ? -p.displacement_limit : 0) - c.rest_opening;
   c.highest = p.displacement_limit - c.rest_opening;

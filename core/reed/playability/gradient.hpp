@@ -23,9 +23,9 @@ namespace tactus::reed {
 /// gradient_force() is smoothed by a ForceSmoother of 30 ms and 20 N/s.
 ///
 /// The hand's position is read every kHandPeriod samples. Pressures then move linearly to the new
-/// position within one period; reed frequencies follow as ReedBank has them. The force is updated
-/// at every second reading, in the middle of a host's block of 64. Laws and measurements:
-/// docs/theory/guidance.md.
+/// position within one period; reed frequencies follow through the low-pass of ReedBank. The force
+/// is updated at every second reading, in the middle of a host's block of 64. Laws and
+/// measurements: docs/theory/guidance.md.
 class ReedGradient {
 public:
   enum class Mode { kReed, kGrowth, kGuide };
@@ -48,8 +48,8 @@ public:
   void set_force_gain(double gain_n) noexcept { force_gain_n_ = gain_n; }
   void reset() noexcept;
 
-  /// The hand's position in [0, 1] (clamped) and f_b, Hz; what is not finite is ignored. To be
-  /// called when samples_until_hand() is 0, before process().
+  /// The hand's position in [0, 1] (clamped) and f_b, Hz; values that are not finite are ignored.
+  /// To be called when samples_until_hand() is 0, before process().
   void move(double y, double z, double bore_frequency) noexcept;
   /// Samples until move() is due; 0: now.
   [[nodiscard]] std::size_t samples_until_hand() const noexcept {

@@ -16,7 +16,7 @@ public:
   /// time_constant_s >= 0, slew_n_per_s > 0.
   void set(double time_constant_s, double slew_n_per_s) noexcept;
   void reset(const PlaneForce& force = {}) noexcept { force_ = force; }
-  /// The force elapsed_s > 0 later; what is not finite counts as no force.
+  /// The force elapsed_s > 0 later; a target that is not finite counts as no force.
   PlaneForce advance(const PlaneForce& target, double elapsed_s) noexcept;
 
 private:

@@ -114,7 +114,7 @@ void PeriodicityAnalysis::analyse() noexcept {
   const double curvature = left - 2 * centre + right;
   const double shift = curvature > 0 ? std::clamp(0.5 * (left - right) / curvature, -1.0, 1.0) : 0;
   const double minimum = std::clamp(centre - 0.25 * (left - right) * shift, 0.0, 1.0);
-  // Without a lag that is like the frame, as where a displacement dies away, there is no period.
+  // If no lag resembles the frame, as when a displacement decays, there is no period.
   if (minimum < 1)
     result_.frequency_hz = sample_rate_ / (static_cast<double>(best) + shift);
   result_.periodicity = 1 - minimum;

@@ -32,8 +32,8 @@ struct PlayabilityParameters {
 ///          window of sound has passed, so that the start of a note is no jump.
 ///   H    = clip((z - 4000 Hz)/2000 Hz, 0, 1), more crossings than any note has,
 ///   C    = max(J, H), the paper's "suddenly jumps to a very high number".
-/// No allocation. For V = double an input that is no number counts as the last one that was; the
-/// angles of several lanes must be numbers, as those of a ReedBank are.
+/// No allocation. For V = double, an input that is NaN is replaced by the last number; the angles
+/// of several lanes must be numbers, as those of a ReedBank are.
 template <class V> class PlayabilityFollower {
 public:
   using Scalar = typename simd::LaneTraits<V>::Scalar;
@@ -189,8 +189,9 @@ private:
       high = angle - last + pole * high;
       last = angle;
       const V size = absolute(high);
-      // Whether |t~| is above or below y, the faster of the two comes closer to it: with a faster
-      // attack that is the larger one on rise, and the slower release the larger one on fall.
+      // Attack on rise, release on fall, without a branch. If the attack is the faster of the two,
+      // its result is the larger one on rise, and that of the slower release is the larger one on
+      // fall.
       const V rise = rising * size + attack * envelope;
       const V fall = falling * size + release * envelope;
       envelope = attack_is_faster ? maximum(rise, fall) : minimum(rise, fall);

@@ -106,7 +106,7 @@ double Player::accept_note(double frequency) noexcept {
   }
   // Counted once per note; a glide counts as one.
   const bool already_counted =
-      refusing_ && std::abs(frequency - refusal_.note) < TuningController::kLeap * refusal_.note;
+      refusing_ && std::abs(frequency - refusal_.note) < TuningController::kMinLeap * refusal_.note;
   refusal_.note = frequency;
   refusal_.count += already_counted ? 0 : 1;
   refusing_ = true;
@@ -127,7 +127,7 @@ void Player::choose_configuration(double reed_frequency) noexcept {
       update_lips();
   } else if (plays_) {
     f = accept_note(f);
-    const bool leap = !(std::abs(f - note_) < TuningController::kLeap * note_);
+    const bool leap = !(std::abs(f - note_) < TuningController::kMinLeap * note_);
     if (leap)
       attempts_ = 0;
     note_ = f;

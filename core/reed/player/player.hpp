@@ -32,7 +32,7 @@ struct Refusal {
 /// Compass: a note below lowest_note or above highest_note (half a semitone to spare) is refused.
 /// The last good note continues, or the nearest limit when there was none.
 ///
-/// Registers: where another register sounds, which no trim corrects, the player tongues the note
+/// Registers: if another register sounds, which no trim corrects, the player tongues the note
 /// again, every other time with a soft attack, up to kMaxAttempts times.
 ///
 /// Tongue: the burst (tongue.hpp) brings the valve to the ratio of pressure to closing pressure at
@@ -74,7 +74,7 @@ public:
   }
 
   /// Due once per control period: f_b in Hz (not above 0: the parameters' length), f_r in Hz, p_m
-  /// in Pa (below 0, or no number: the lips stay as at breath_reference).
+  /// in Pa (below 0 or NaN: the lips stay as at breath_reference).
   const Configuration& control(double bore_frequency, double reed_frequency,
                                double mouth_pressure) noexcept;
   /// Whether the player plays a note: valve and bore then follow without low-pass.

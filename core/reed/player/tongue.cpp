@@ -34,7 +34,7 @@ double Tongue::next_factor(double pressure) noexcept {
       return 1;
     }
     begin_hold();
-    if (!(burst_ > 0) && !articulation_due_) { // a breath that goes on is not stopped later
+    if (!(burst_ > 0) && !articulation_due_) { // a breath that continues is not stopped later
       state_ = State::kOpen;
       samples_in_state_ = 0;
       opening_ = 1;

@@ -13,9 +13,9 @@ namespace tactus::reed {
 /// ln(final/initial)/growth rate. The burst speeds up the growth,
 ///   p = p_m (1 + burst exp(-t/25 ms)),   t the time since the release.
 ///
-/// With burst > 0 it acts by itself where a breath begins: after at least 5 ms below 1 Pa, if the
-/// pressure rises by more than 4 Pa/ms. It waits until the pressure grows by less than a twentieth
-/// in 2 ms, at most 12 ms. articulate() requests it within a breath. No allocation.
+/// With burst > 0 it acts automatically where a breath begins: after at least 5 ms below 1 Pa, if
+/// the pressure rises by more than 4 Pa/ms. It waits until the pressure grows by less than a
+/// twentieth in 2 ms, at most 12 ms. articulate() requests it within a breath. No allocation.
 class Tongue {
 public:
   static constexpr double kSoftShare = 0.3, kSoftRise = 0.05; ///< s
@@ -40,8 +40,8 @@ public:
     share_ = 1;
   }
   /// Blocks the breath for at least `seconds` (some 5 ms, up to 14 while it rises), then releases
-  /// it. soft: so long (s) it is kSoftShare of the pressure, without a burst, before it rises
-  /// within kSoftRise.
+  /// it. soft: duration, s, of a soft beginning at kSoftShare of the pressure, without a burst,
+  /// before the pressure rises within kSoftRise.
   void articulate(double seconds = 0, double soft = 0) noexcept {
     articulation_due_ = true;
     soft_samples_ = samples(soft);

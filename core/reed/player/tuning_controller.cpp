@@ -105,7 +105,7 @@ void TuningController::set_target(double frequency_hz) noexcept {
     pitch_rate_ = 0;
     return;
   }
-  const bool leap = !(std::abs(frequency_hz - frequency_) < kLeap * frequency_);
+  const bool leap = !(std::abs(frequency_hz - frequency_) < kMinLeap * frequency_);
   pitch_rate_ = leap ? 0 : frequency_hz / frequency_ - 1;
   select_note(frequency_hz, leap);
   frequency_ = frequency_hz;
@@ -124,7 +124,7 @@ void TuningController::set_target(double frequency_hz) noexcept {
     s = twice;
   }
   phase_step_ = {c, -s};
-  // Two poles at an eighth of the pitch leave 1/64 of what lies a pitch away.
+  // Two poles at an eighth of the pitch attenuate components one pitch away to 1/64.
   const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
   pole_ = 1 / (1 + 2 * pi * corner * kPeriod / sample_rate_);
   smoothing_delay_ = 2 / (2 * pi * corner);

@@ -23,9 +23,9 @@ namespace tactus::reed {
 /// - Without enough pressure at the target pitch the trim is held.
 /// - |trim| <= 0.25 in ln f, about four semitones.
 ///
-/// Trims are remembered per quarter tone and interpolated linearly between, so that glides and
-/// vibrato see no jump. A note that has not sounded yet starts with the trim of the one before.
-/// No allocation.
+/// Trims are stored per quarter tone and interpolated linearly between, so that glides and vibrato
+/// cause no jump. A note that has not sounded yet starts with the trim of the previous note. No
+/// allocation.
 class TuningController {
 public:
   static constexpr int kPeriod = kControlPeriod; // samples per measurement
@@ -36,8 +36,8 @@ public:
   void reset() noexcept;
   /// Clears the memory of notes: the instrument has changed. The trim stays.
   void clear_corrections() noexcept;
-  /// Target pitch, Hz, above 0 and below half the sample rate. A change by more than kLeap is a new
-  /// note and restarts the measurement.
+  /// Target pitch, Hz, above 0 and below half the sample rate. A change by more than kMinLeap is a
+  /// new note and restarts the measurement.
   void set_target(double frequency_hz) noexcept;
   /// Takes the next samples of bore pressure, Pa; at most kPeriod between two calls of update().
   void track_pitch(const double* bore_pressure, int count) noexcept;
@@ -57,7 +57,7 @@ public:
   void restart_note(double silence) noexcept;
 
   static constexpr double kWrongRegisterTime = 0.3; // s
-  static constexpr double kLeap = 0.03;             // half a semitone within kPeriod samples
+  static constexpr double kMinLeap = 0.03;          // half a semitone within kPeriod samples
 
 private:
   struct Sums {

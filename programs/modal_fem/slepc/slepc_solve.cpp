@@ -3,12 +3,13 @@
 //   mpirun -n RANKS slepc_solve MATRICES RIGID VALUES VECTORS COUNT RIGID_COUNT SHIFT [SLEPc's
 //   options]
 //
-// MATRICES holds K and M, RIGID the RIGID_COUNT motions without strain that are deflated, both in
-// PETSc's binary form; VALUES (one vector) and VECTORS get what was found, ascending. SHIFT is s in
-// rad^2/s^2: Krylov-Schur on (K + s M)^-1 M with MUMPS' distributed factor. A single start vector
-// meets the second copy of a multiple eigenvalue by rounding alone, so the number is checked: K -
-// sigma M, sigma in a gap above the last mode asked for, has as many negative pivots as there are
-// eigenvalues below sigma (Sylvester). Missing ones are sought beside those found.
+// MATRICES contains K and M, RIGID the RIGID_COUNT rigid motions, which are deflated, both in
+// PETSc's binary format. The results are written to VALUES (one vector) and VECTORS, ascending.
+// SHIFT is s in rad^2/s^2: Krylov-Schur on (K + s M)^-1 M with MUMPS' distributed factor. A single
+// start vector finds the second copy of a multiple eigenvalue only through rounding, so the number
+// is checked: K - sigma M, with sigma in a gap above the last requested mode, has as many negative
+// pivots as there are eigenvalues below sigma (Sylvester). Missing ones are searched for
+// orthogonally to those found.
 //
 // On stdout "stage SHARE NAME" while it works; at the end "peak BYTES" of the largest process.
 #include "programs/body/petsc_program.hpp"
@@ -64,8 +65,8 @@ PetscErrorCode count_below(Mat stiffness, Mat mass, PetscReal sigma, PetscInt& b
   PetscCall(KSPGetPC(solver, &preconditioner));
   PetscCall(PCFactorSetUpMatSolverType(preconditioner));
   PetscCall(PCFactorGetMatrix(preconditioner, &factor));
-  PetscCall(MatMumpsSetIcntl(factor, 24, 1)); // null pivots are found,
-  PetscCall(MatMumpsSetIcntl(factor, 13, 1)); // and the root is not left to ScaLAPACK: MUMPS counts
+  PetscCall(MatMumpsSetIcntl(factor, 24, 1)); // detects null pivots
+  PetscCall(MatMumpsSetIcntl(factor, 13, 1)); // no ScaLAPACK for the root: MUMPS then counts
   PetscCall(KSPSetUp(solver));
   PetscInt zero = 0, above = 0;
   PetscCall(MatGetInertia(factor, &below, &zero, &above));
@@ -79,8 +80,8 @@ struct Pair {
   Vec vector;
 };
 
-/// Whether a vector of unit length in M is none that the first `known` pairs span: rounding lets
-/// deflated ones return.
+/// Whether an M-normalised vector lies outside the span of the first `known` pairs: rounding lets
+/// deflated ones reappear.
 PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t known, Vec vector,
                         bool& is_new) {
   Vec weighted = nullptr;
@@ -156,8 +157,8 @@ PetscErrorCode find_pairs(const Problem& problem, std::vector<Pair>& pairs, Pets
   return 0;
 }
 
-/// Where to count: between two pairs, as far apart as there are from the one numbered `count` on,
-/// or above the last, if those are all of one group. `last` is the pair below.
+/// The sigma for counting: in the largest gap between two pairs from number `count` on, or above
+/// the last pair if those all form one group. `last`: the pair below sigma.
 PetscReal gap_above(const std::vector<Pair>& pairs, std::size_t count, std::size_t& last) {
   constexpr PetscReal kGroup = 1 + 1e-4;
   PetscReal widest = kGroup;
@@ -272,7 +273,7 @@ PetscErrorCode run(char** words) {
 
 int main(int argc, char** argv) {
   tactus::petsc::g_program = "slepc_solve";
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // of mpirun: none outlives it
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // ends with mpirun
   if (argc < 8) {
     std::fputs("slepc_solve: run by modal_fem --engine slepc\n", stderr);
     return 2;

@@ -102,7 +102,7 @@ PetscErrorCode run(char** words) {
   PetscCall(KSPSetType(solver, KSPCG));
   PetscCall(KSPSetNormType(solver, KSP_NORM_UNPRECONDITIONED));
   PetscCall(KSPSetInitialGuessNonzero(solver, PETSC_TRUE));
-  // The recurrence's residual drifts from the true one, which is asked for: a tenth to spare.
+  // The residual of the recurrence drifts from the true one, so a tenth of the tolerance is used.
   constexpr PetscInt kMaxIterations = 2000;
   PetscCall(KSPSetTolerances(solver, .1 * goal.tolerance, PETSC_DEFAULT, 1e30, kMaxIterations));
   PetscCall(KSPGetPC(solver, &preconditioner));
@@ -146,7 +146,7 @@ PetscErrorCode run(char** words) {
 
 int main(int argc, char** argv) {
   tactus::petsc::g_program = "petsc_solve";
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // of mpirun: none outlives it
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // ends with mpirun
   if (argc < 5) {
     std::fputs("petsc_solve: run by part_stress --engine petsc\n", stderr);
     return 2;

@@ -71,19 +71,19 @@ TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 
 
 TEST_CASE("an acceleration of 3 g is never exceeded, for any sensitivity and level") {
   for (const double sensitivity : {0.5, 3.0, 12.0}) {
-    Drive drive;
+    ActuatorSignals drive;
     drive.prepare(48000);
     drive.set({50, sensitivity, 3, 0});
     double worst = 0;
     for (int n = 0; n < 96000; ++n) {
       const double x = 100 * std::sin(0.02 * n) * (n % 9000 < 4000 ? 1 : 1e-3);
-      const Drive::Pair pair = drive.next(x, 0, n % 3, 1);
+      const ActuatorSignals::Pair pair = drive.next(x, 0, n % 3, 1);
       worst = std::max({worst, std::abs(pair.heel), std::abs(pair.ball)});
     }
     CHECK(worst * sensitivity <= 3 + 1e-12);
     CHECK(worst * sensitivity > 2.9);
   }
-  Drive usual; // an actuator of 3 g at full drive is limited to 3 g
+  ActuatorSignals usual; // an actuator of 3 g at full drive is limited to 3 g
   usual.prepare(48000);
   double largest = 0;
   for (int n = 0; n < 9600; ++n)
@@ -95,7 +95,7 @@ TEST_CASE("an acceleration of 3 g is never exceeded, for any sensitivity and lev
 TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
   const std::array<double, 8> table{60, 6, 120, -3, 250, 4, 450, -8};
   for (const double rate : {22050.0, 48000.0, 192000.0}) {
-    DriveEqualiser equaliser;
+    ActuatorEqualiser equaliser;
     equaliser.prepare(rate);
     REQUIRE(equaliser.set(table));
     std::vector<double> impulse(static_cast<std::size_t>(rate));
@@ -104,7 +104,7 @@ TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
     for (std::size_t i = 0; i < table.size(); i += 2)
       CHECK(std::abs(db(std::abs(response(impulse, table[i], rate))) - table[i + 1]) < 0.2);
   }
-  DriveEqualiser equaliser;
+  ActuatorEqualiser equaliser;
   equaliser.prepare(48000);
   CHECK_FALSE(equaliser.set(std::array<double, 4>{100, 3, 90, 3}));
   CHECK_FALSE(equaliser.set(std::array<double, 2>{100, 300}));
@@ -137,8 +137,8 @@ TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
 }
 
 TEST_CASE("settings of a drive are clamped: delays to 0..0.2 s, sensitivity to at least 0.001 g") {
-  const auto drive_output = [](const Drive::Settings& settings) {
-    Drive drive;
+  const auto drive_output = [](const ActuatorSignals::Settings& settings) {
+    ActuatorSignals drive;
     drive.prepare(8000);
     drive.set(settings);
     std::vector<double> out;
@@ -162,16 +162,16 @@ TEST_CASE("settings of a drive are clamped: delays to 0..0.2 s, sensitivity to a
 
 TEST_CASE("under the ball alone the drive is what it is under the heel alone, at any rate") {
   for (const double rate : {22050.0, 48000.0, 192000.0}) {
-    Drive heel, ball;
+    ActuatorSignals heel, ball;
     double difference = 0, peak_amplitude = 0;
-    for (Drive* drive : {&heel, &ball}) {
+    for (ActuatorSignals* drive : {&heel, &ball}) {
       drive->prepare(rate);
       drive->set({1, 3, 0.3, 0.002}); // a limit of 0.1
     }
     for (int n = 0; n < 0.3 * rate; ++n) { // too loud, then recovering
       const double t = n / rate,
                    x = (t < 0.1 ? 5 : 0.05) * std::sin(2 * std::numbers::pi * 200 * t);
-      const Drive::Pair a = heel.next(x, 0, 700, 0), b = ball.next(0, x, 0, 700);
+      const ActuatorSignals::Pair a = heel.next(x, 0, 700, 0), b = ball.next(0, x, 0, 700);
       difference =
           std::max({difference, std::abs(a.heel - b.ball), std::abs(a.ball), std::abs(b.heel)});
       peak_amplitude = std::max(peak_amplitude, std::abs(a.heel));
@@ -182,13 +182,13 @@ TEST_CASE("under the ball alone the drive is what it is under the heel alone, at
 }
 
 TEST_CASE("a delay that is switched on begins with silence, not with old samples") {
-  Drive drive;
+  ActuatorSignals drive;
   drive.prepare(48000);
   const auto play = [&](double delay_s, double amplitude, int samples) {
     drive.set({.gain = 1, .delay_s = delay_s});
     double largest = 0;
     for (int n = 0; n < samples; ++n) {
-      const Drive::Pair out = drive.next(amplitude * std::sin(0.03 * n), 0, 1, 0);
+      const ActuatorSignals::Pair out = drive.next(amplitude * std::sin(0.03 * n), 0, 1, 0);
       largest = std::max(largest, std::abs(out.heel));
     }
     return largest;
@@ -201,8 +201,8 @@ TEST_CASE("a delay that is switched on begins with silence, not with old samples
 }
 
 TEST_CASE("a drive falls silent once band and delay have decayed, and wakes unchanged") {
-  Drive drive, fresh;
-  for (Drive* one : {&drive, &fresh}) {
+  ActuatorSignals drive, fresh;
+  for (ActuatorSignals* one : {&drive, &fresh}) {
     one->prepare(8000);
     one->set({1, 3, 3, 0.1, 1});
   }
@@ -210,10 +210,10 @@ TEST_CASE("a drive falls silent once band and delay have decayed, and wakes unch
   for (int n = 0; n < 8000 * 3; ++n)
     last = drive.next(n == 0, 0, 1, 3).ball;
   CHECK(last == 0); // 2.2 s
-  const auto again = [](Drive& one) {
+  const auto again = [](ActuatorSignals& one) {
     std::vector<double> out;
     for (int n = 0; n < 4000; ++n) { // nobody presses: the last shares stay, 1 to 3
-      const Drive::Pair pair = one.next(n == 0, 0, 0, 0);
+      const ActuatorSignals::Pair pair = one.next(n == 0, 0, 0, 0);
       out.insert(out.end(), {pair.heel, pair.ball});
     }
     return out;
@@ -233,13 +233,14 @@ TEST_CASE("a drive falls silent once band and delay have decayed, and wakes unch
 
 TEST_CASE("each actuator plays the vibration under it, and a common share of the whole foot's") {
   const auto drives = [](double common, double heel_vibration, double ball_vibration) {
-    Drive drive;
+    ActuatorSignals drive;
     drive.prepare(48000);
     drive.set({1, 3, 3, 0, common});
     std::vector<double> heel, ball;
     for (int n = 0; n < 2400; ++n) {
       const double x = std::sin(2 * std::numbers::pi * 150 * n / 48000);
-      const Drive::Pair pair = drive.next(heel_vibration * x, ball_vibration * x, 500, 300);
+      const ActuatorSignals::Pair pair =
+          drive.next(heel_vibration * x, ball_vibration * x, 500, 300);
       heel.push_back(pair.heel);
       ball.push_back(pair.ball);
     }
@@ -282,14 +283,14 @@ TEST_CASE("a limiter acts at once and releases within 50 ms") {
 TEST_CASE("sensors, rooms and drives respond after a reset as when new") {
   SoleSensor used, fresh;
   Room used_room, fresh_room;
-  Drive used_drive, fresh_drive;
+  ActuatorSignals used_drive, fresh_drive;
   for (SoleSensor* sensor : {&used, &fresh})
     sensor->prepare(48000);
   for (Room* room : {&used_room, &fresh_room}) {
     room->prepare(48000);
     room->set({-3, .4, 3000});
   }
-  for (Drive* drive : {&used_drive, &fresh_drive}) {
+  for (ActuatorSignals* drive : {&used_drive, &fresh_drive}) {
     drive->prepare(48000);
     drive->set({1, 3, .3, .01, .2});
     const std::array<double, 4> table{100, 6, 300, -4};
@@ -314,7 +315,7 @@ TEST_CASE("sensors, rooms and drives respond after a reset as when new") {
            std::abs(a.heel_slope - b.heel_slope) < 1e-6 && a.toe_off == b.toe_off;
     const double x = n < 4000 ? std::sin(.3 * n) : 0;
     same = same && std::abs(used_room.next(x) - fresh_room.next(x)) < 1e-12;
-    const Drive::Pair c = used_drive.next(x, -x, 0, 0), d = fresh_drive.next(x, -x, 0, 0);
+    const ActuatorSignals::Pair c = used_drive.next(x, -x, 0, 0), d = fresh_drive.next(x, -x, 0, 0);
     same = same && std::abs(c.heel - d.heel) < 1e-12 && std::abs(c.ball - d.ball) < 1e-12;
   }
   CHECK(same);
