@@ -44,7 +44,7 @@ std::vector<Reader> readers() {
          net::Message message;
          bool found = false;
          return net::decode_fudi(text, message, found).empty() && message.size() == 1 &&
-                message[0].type != net::Argument::Type::kString;
+                message.number_at(0).has_value();
        }}};
   using Setting = std::pair<const char*, const char*>;
   for (const auto& [driver, setting] :

@@ -33,7 +33,7 @@ void check_exchange(End& end) {
       check(is_topic_name(topic.name()), "a topic's name that is none");
       check(topic.size() <= kMaxTopicFields, "more fields than a topic has");
       for (std::size_t i = 0; i < topic.size(); ++i)
-        check(std::isfinite(topic[i].number), "a field that is not finite");
+        check(std::isfinite(topic.number_at(i).value_or(0)), "a field that is not finite");
       check(!bus_topic(topic.name()).has_time || topic.number_at(0).has_value(), "no time");
       check(std::isfinite(packet->time_s) && packet->time_s <= now_s, "a time to come");
       incoming.ring.pop();
