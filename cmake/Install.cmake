@@ -86,6 +86,7 @@ foreach(module core files fem devices net net_sockets)
             COMPONENT development FILES_MATCHING PATTERN "*.hpp")
   endif()
 endforeach()
+target_compile_features(tactus_core INTERFACE cxx_std_20)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactus)
 install(EXPORT tactus NAMESPACE tactus:: FILE tactusTargets.cmake DESTINATION ${package_folder}
         COMPONENT development)

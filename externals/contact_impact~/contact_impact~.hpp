@@ -144,13 +144,12 @@ struct ContactImpact::Rows {
           action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, the mass 1 m away")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "force", "N", "external force on the mass, positive into the body"},
+      Port{Port::Kind::kSignal, "force", "N", "force on the mass, into the body"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "velocity of the body times `gain`, within +-1"},
-      Port{Port::Kind::kSignal, "contact", "N", "contact force between mass and body"},
-      Port{Port::Kind::kControl, "impact", "",
-           "list after each contact: duration in ms, impulse in N s"},
+      Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
+      Port{Port::Kind::kControl, "impact", "", "duration in ms and impulse in N s of each contact"},
   };
 };
 

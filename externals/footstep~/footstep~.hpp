@@ -227,25 +227,22 @@ struct Footstep::Rows {
   };
   static constexpr std::array arguments{CreationArgument{"surface"}};
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "heel", "N", "force under the (left) heel, with `source sensors`"},
+      Port{Port::Kind::kSignal, "heel", "N", "force under the (left) heel (sensors)"},
       Port{Port::Kind::kSignal, "ball", "N", "force under the ball of the (left) foot"},
-      Port{Port::Kind::kSignal, "heel_2", "N", "force under the right heel, with `feet 2`"},
-      Port{Port::Kind::kSignal, "ball_2", "N",
-           "force under the ball of the right foot, with `feet 2`"},
+      Port{Port::Kind::kSignal, "heel_2", "N", "force under the right heel (feet 2)"},
+      Port{Port::Kind::kSignal, "ball_2", "N", "force under the right ball (feet 2)"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "sound of the (left) foot, within +-1"},
-      Port{Port::Kind::kSignal, "heel_drive", "", "signal for the actuator under the heel"},
-      Port{Port::Kind::kSignal, "ball_drive", "", "signal for the actuator under the ball"},
-      Port{Port::Kind::kSignal, "force", "N", "force under the (left) foot"},
-      Port{Port::Kind::kSignal, "sound_2", "", "sound of the right foot, with `feet 2`"},
-      Port{Port::Kind::kSignal, "heel_drive_2", "", "force under the right heel, with `feet 2`"},
-      Port{Port::Kind::kSignal, "ball_drive_2", "",
-           "signal for the actuator under the right ball, with `feet 2`"},
-      Port{Port::Kind::kSignal, "force_2", "N", "force under the right foot, with `feet 2`"},
+      Port{Port::Kind::kSignal, "heel_drive", "", "actuator signal under the heel"},
+      Port{Port::Kind::kSignal, "ball_drive", "", "actuator signal under the ball"},
+      Port{Port::Kind::kSignal, "force", "N", "force under the foot"},
+      Port{Port::Kind::kSignal, "sound_2", "", "sound of the right foot (feet 2)"},
+      Port{Port::Kind::kSignal, "heel_drive_2", "", "right heel's actuator (feet 2)"},
+      Port{Port::Kind::kSignal, "ball_drive_2", "", "right ball's actuator (feet 2)"},
+      Port{Port::Kind::kSignal, "force_2", "N", "force under the right foot (feet 2)"},
       Port{Port::Kind::kControl, "info", "",
-           "events: step left|right heel|ball (with landing speed in m/s), heel_up|toe_off; "
-           "answers"},
+           "step left|right heel|ball (with m/s), heel_up|toe_off; answers"},
   };
 };
 

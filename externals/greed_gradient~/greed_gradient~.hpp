@@ -166,19 +166,16 @@ struct GreedGradient::Rows {
                                                           "stop: valves at rest, air still")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "y", "", "height of the hand 0..1, which sets the mouth pressure"},
-      Port{Port::Kind::kSignal, "z", "", "depth of the hand 0..1, which sets the reed frequency"},
+      Port{Port::Kind::kSignal, "y", "", "hand's height 0..1: mouth pressure"},
+      Port{Port::Kind::kSignal, "z", "", "hand's depth 0..1: reed frequency"},
       Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: as `own_length` gives it"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "",
-           "sound of the reed at the hand's position, within +-1"},
-      Port{Port::Kind::kControl, "f_p", "", "playability of that reed 0..1, after each block"},
-      Port{Port::Kind::kControl, "gradient", "",
-           "list g_y g_z: slope of the playability for one unit of y and of z"},
-      Port{Port::Kind::kControl, "info", "",
-           "answers; `map` with the share computed 0..1 while a map is made"},
-      Port{Port::Kind::kControl, "force", "N", "list F_y F_z: force on the hand"},
+      Port{Port::Kind::kSignal, "sound", "", "sound of the hand's reed, within +-1"},
+      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, each block"},
+      Port{Port::Kind::kControl, "gradient", "", "slope g_y g_z for one unit of y and of z"},
+      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
+      Port{Port::Kind::kControl, "force", "N", "list F_y F_z on the hand"},
   };
 };
 

@@ -140,14 +140,13 @@ struct ParticleObject::Rows {
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "power", "1/s",
-           "power that drives the particles, energy a second; their energy tends to power times "
-           "`decay`"},
+           "energy a second; the energy tends to power * decay"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "sound of the particles, within +-1"},
+      Port{Port::Kind::kSignal, "sound", "", "sound, within +-1"},
       Port{Port::Kind::kSignal, "collisions", "",
-           "impulse of each collision: root of its energy (1: the mean at energy 1)"},
-      Port{Port::Kind::kSignal, "energy", "", "energy of the system; 1: an ordinary shake"},
+           "impulses: root of each one's energy (1: a mean one at energy 1)"},
+      Port{Port::Kind::kSignal, "energy", "", "energy, in ordinary shakes"},
   };
 
   static constexpr std::array arguments{CreationArgument{"preset"}};

@@ -82,7 +82,7 @@ struct PlayabilityMapObject::Rows {
       member<&Self::settings_, &Settings::bore_frequency_hz>.row(
           "f_b", "Hz", 0, 4000, "bore frequency; 0: as `own_length` gives it"),
       member<&Self::settings_, &Settings::settle_ms>.row(
-          "settle", "ms", 0, 2000, "time that each node plays before it is judged"),
+          "settle", "ms", 0, 2000, "time that each node plays before it is evaluated"),
       member<&Self::settings_, &Settings::listen_ms>.row(
           "listen", "ms", 1, 1000, "time over which the node's f_p is averaged"),
       member<&Self::settings_, &Settings::rate_hz>.row("rate", "Hz", 8000, 96000,
