@@ -60,7 +60,9 @@ std::vector<Reader> readers() {
 } // namespace
 
 TEST_CASE("every reader of text takes the same words for numbers") {
-  for (const auto& [name, reads] : readers()) {
+  for (const auto& reader : readers()) {
+    const auto& name = reader.first;
+    const auto& reads = reader.second;
     CAPTURE(name);
     for (const char* word : {"1000", "+1000", "1e3", "1E+3", "1000.0", "1000."}) {
       CAPTURE(word);

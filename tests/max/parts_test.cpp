@@ -79,16 +79,18 @@ TEST_CASE(
     "outputs of audio come in their order, or are refused, however often the ring is passed") {
   max::OutputRing ring;
   const std::string text(1000, 'x');
-  int sent = 0, received = 0, refused = 0;
+  std::size_t sent = 0, received = 0;
+  int refused = 0;
   const auto receive = [&](const max::Output& output) {
-    CHECK(output.outlet == static_cast<unsigned>(received));
+    CHECK(output.outlet == received);
     CHECK(output.atoms.at(0).word == std::string_view(text).substr(0, received % 997));
-    CHECK(output.atoms.at(1).number == received);
+    CHECK(output.atoms.at(1).number == static_cast<double>(received));
     ++received;
   };
   while (sent < 5000) {
-    const std::array<Atom, 2> atoms{std::string_view(text).substr(0, sent % 997), sent};
-    if (ring.add(max::Output::Kind::kOutlet, static_cast<std::size_t>(sent), atoms))
+    const std::array<Atom, 2> atoms{std::string_view(text).substr(0, sent % 997),
+                                    static_cast<double>(sent)};
+    if (ring.add(max::Output::Kind::kOutlet, sent, atoms))
       ++sent;
     else {
       ++refused;
