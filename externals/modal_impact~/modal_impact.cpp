@@ -133,8 +133,8 @@ void ModalImpact::rebuild_model(bool changes_body) {
     return;
   if (!here)
     model_request_ = worker_.requested() + 1;
-  if (!here && changes_body)
-    body_change_ = model_request_;
+  if (changes_body)
+    body_change_ = worker_.requested() + 1;
   request(false, *host_);
 }
 

@@ -42,16 +42,17 @@ template <class T> T* make_timer(const char* name, void* argument, method functi
   timer->function = function;
   return timer;
 }
-Clock* next_due(double until_ms) {
+/// The clock that is due first, no longer armed, and when it was due, ms.
+std::pair<const Clock*, double> next_due(double until_ms) {
   const std::lock_guard lock(timers_mutex);
   const auto next =
       std::min_element(armed.begin(), armed.end(),
                        [](const Clock* a, const Clock* b) { return a->due_ms < b->due_ms; });
   if (next == armed.end() || (*next)->due_ms > until_ms)
-    return nullptr;
-  Clock* clock = *next;
+    return {nullptr, 0};
+  const std::pair<const Clock*, double> found{*next, (*next)->due_ms};
   armed.erase(next);
-  return clock;
+  return found;
 }
 Qelem* next_waiting() {
   const std::lock_guard lock(timers_mutex);
@@ -69,9 +70,9 @@ double now_ms() { return due_time >= 0 ? due_time : time_ms.load(std::memory_ord
 void advance_clocks(double until_ms) {
   const Role before = current_role();
   set_role(kScheduler);
-  while (const Clock* clock = next_due(until_ms)) {
-    due_time = std::max(clock->due_ms, time_ms.load(std::memory_order_relaxed));
-    clock->run();
+  for (auto next = next_due(until_ms); next.first; next = next_due(until_ms)) {
+    due_time = std::max(next.second, time_ms.load(std::memory_order_relaxed));
+    next.first->run();
     due_time = -1;
   }
   set_role(before);
