@@ -131,10 +131,11 @@ void ModalImpact::rebuild_model(bool changes_body) {
     build_here(now);
   if (!host_ || (here && !waits))
     return;
+  const std::uint64_t next = worker_.requested() + 1;
   if (!here)
-    model_request_ = worker_.requested() + 1;
+    model_request_ = next;
   if (changes_body)
-    body_change_ = worker_.requested() + 1;
+    body_change_ = next;
   request(false, *host_);
 }
 
@@ -167,11 +168,12 @@ void ModalImpact::accept(TableJob::Answer answer, Host* host) {
   const bool loaded = in_use_.body.number != before.body.number;
   const bool solved = !loaded && in_use_.solved != before.solved;
   const bool same = table_ && (answer.table == table_ || answer.table->follows(*table_));
-  const bool asked = model_request_ > 0;
+  if (answer.table == table_ && model_request_ == 0)
+    return; // nothing that was not built here
+  if (answer.table != table_)
+    model_request_ = worker_.requested(); // whose settings this model may lack
   if (answered_ >= model_request_)
     model_request_ = 0;
-  if (answer.table == table_ && !asked)
-    return;
   const bool supported = accept_support(*answer.model, same, host);
   table_ = answer.table;
   if (!missing_arrays(*table_, settings().radiation).empty()) // this has been reported

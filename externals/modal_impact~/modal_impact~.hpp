@@ -209,7 +209,7 @@ private:
   /// Numbers of the worker's requests: the last one answered, the last one that changes the body
   /// (not only its listeners), and the last one that reads a body.
   std::uint64_t answered_ = 0, body_change_ = 0, load_ = 0;
-  /// The last for other settings of the present table; 0: the model here has them.
+  /// The last with settings that the present model lacks; 0: it has all.
   std::uint64_t model_request_ = 0;
   Random random_; // of variation
   std::optional<Vec3> normal_;
