@@ -65,7 +65,7 @@ def attempt(program, path, seconds, gigabytes, modes, options):
             if not (frequency > 0 and mass > 0):
                 return "wrong", result, spent
         said = [line for line in lines if any(word in line for word in
-                ("closed", "weld", "anew", "kept", "meshed", "sewn", "left out", "wrapped", "above"))]
+                ("closed", "weld", "rebuilt", "removed", "meshed", "sewn", "left out", "wrapped", "above"))]
         return "body", result + "; ".join(said), spent
 
 

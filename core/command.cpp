@@ -116,7 +116,7 @@ std::string list_refusal(const Declaration& declaration, std::span<const Atom> n
   }
   for (const Atom& atom : numbers)
     if (atom.is_word)
-      return "list: '" + text_of(atom) + "' is no number: expected one for each inlet: " + inlets;
+      return "list: '" + text_of(atom) + "': not a number: expected one for each inlet: " + inlets;
   if (numbers.size() > declaration.inlets.size())
     return "list: " + std::to_string(numbers.size()) + " numbers: expected at most " +
            std::to_string(declaration.inlets.size()) + ", one for each inlet: " + inlets;

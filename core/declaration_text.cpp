@@ -154,18 +154,18 @@ std::string unknown_name_text(const Declaration& declaration, std::string_view n
     return sentence + did_you_mean(nearest.found());
   if (declaration.parameters.empty() && !declaration.messages.empty())
     return with_messages();
-  return sentence + "; 'get' lists the parameters, the help patch all messages";
+  return sentence + "; 'get' lists the parameters, the help patch shows all messages";
 }
 
 std::string no_answer_text(const Declaration& declaration, std::string_view name) {
   const std::string sentence = "get " + std::string(name) + ": ";
   if (find_message(declaration, name))
-    return sentence + "a message without a value; 'dump' shows all that have one";
+    return sentence + "a message has no value; 'dump' lists all values";
   Nearest nearest(name);
   for (const Parameter& parameter : declaration.parameters)
     nearest.consider(parameter.name);
-  return sentence + "nothing of that name" +
-         (nearest.found().empty() ? std::string("; 'dump' shows all that have a value")
+  return sentence + "unknown name" +
+         (nearest.found().empty() ? std::string("; 'dump' lists all values")
                                   : did_you_mean(nearest.found()));
 }
 

@@ -29,7 +29,7 @@ template <class Work, class Say> bool guarded(Work&& work, Say&& say) noexcept {
   } catch (const std::exception& failure) {
     return tell(failure.what());
   } catch (...) {
-    return tell("failed without a reason");
+    return tell("unknown error");
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace tactus {
 
-/// The error of a message with wrong values: "jump 2: expected a height of 0.01 to 1 m". If the
+/// The error of a message with wrong values: "jump 2: expected a height in 0.01..1 m". If the
 /// values are many or long, only the first are quoted, followed by "...". Allocates nothing.
 [[nodiscard]] Sentence refusal(std::string_view message, std::span<const Atom> given,
                                std::string_view expected);

@@ -63,7 +63,7 @@ void ServoThread::set_period(double period_s) noexcept {
 
 std::string ServoThread::start(haptic::Servo& servo, double period_s, std::shared_ptr<void> owner) {
   if (!stop())
-    return "the servo's last thread still waits for its device";
+    return "the servo's previous thread is still waiting for its device";
   auto run = std::shared_ptr<Run>(new Run{servo, nullptr, std::move(owner), {period_s}});
   const ScopedSignalMask held;
   try {
@@ -72,8 +72,8 @@ std::string ServoThread::start(haptic::Servo& servo, double period_s, std::share
       run->end();
     });
   } catch (const std::system_error& error) {
-    return std::string("the servo's thread does not start (") + error.what() +
-           "): end other programs or raise the limit on threads";
+    return std::string("cannot start the servo's thread (") + error.what() +
+           "): close other programs or raise the limit on threads";
   }
   run_ = std::move(run);
   released_ = true;
@@ -85,13 +85,13 @@ std::string ServoThread::start(haptic::Servo& servo, haptic::Backend& device, do
   if (!device.owns_thread())
     return start(servo, period_s, std::move(owner));
   if (!stop())
-    return "the servo's last thread still waits for its device";
+    return "the servo's previous thread is still waiting for its device";
   auto run = std::shared_ptr<Run>(new Run{servo, &device, std::move(owner), {period_s}});
   run->scheduling = kDriversOwn;
   const ScopedSignalMask held; // the driver's scheduler, too, may start its thread here
   if (!device.run(&ServoThread::step_from_driver, run.get())) {
     const std::string reason = device.trouble();
-    return "the device's own scheduler does not start" + (reason.empty() ? "" : ": " + reason);
+    return "cannot start the device's own scheduler" + (reason.empty() ? "" : ": " + reason);
   }
   run_ = std::move(run);
   halting_ = false;

@@ -56,16 +56,16 @@ std::array<char, 4> machine_of(const std::string& path) {
 /// were not there.
 std::string why_passed_over(const std::string& path) {
   if (access(path.c_str(), R_OK) != 0)
-    return path + " may not be read: change its permissions";
+    return path + " is not readable: change its permissions";
   Dl_info own{};
   if (dladdr(reinterpret_cast<const void*>(&std::getenv), &own) == 0 || !own.dli_fname)
-    return path + " does not load";
+    return path + " cannot be loaded";
   const auto machine = machine_of(path), ours = machine_of(own.dli_fname);
   if (machine == std::array<char, 4>{})
-    return path + " is no shared library";
+    return path + " is not a shared library";
   return machine != ours ? path + " is for another machine than this program (32 or 64 bits, or "
                                   "another processor)"
-                         : path + " does not load";
+                         : path + " cannot be loaded";
 }
 
 } // namespace

@@ -113,14 +113,14 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   // A socket pair serves stdin and stdout: send() with MSG_NOSIGNAL raises no SIGPIPE on it.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    return failed("no pipe to a program", errno);
+    return failed("cannot create a pipe to the program", errno);
   Descriptor parent_end(ends[0]), child_end(ends[1]);
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-    return failed("no pipe to a program", errno);
+    return failed("cannot create a pipe to the program", errno);
   Descriptor errors(ends[0]), child_stderr(ends[1]);
   if (!child_end.move_above_stderr() || !child_stderr.move_above_stderr() ||
       !set_nonblocking(parent_end.get()) || !set_nonblocking(errors.get()))
-    return failed("no pipe to a program", errno);
+    return failed("cannot create a pipe to the program", errno);
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (const std::string& word : words)
@@ -131,7 +131,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   if (const int error = ::posix_spawn(&process->child, words[0].c_str(), &surroundings.files,
                                       &surroundings.attributes, arguments.data(), environ);
       error != 0)
-    return failed((words[0] + " does not start").c_str(), error);
+    return failed((words[0] + ": cannot start").c_str(), error);
   process->stream = parent_end.release();
   process->errors = errors.release();
   return std::unique_ptr<ChildProcess>(new ChildProcess(std::move(process)));

@@ -219,7 +219,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   Handle input = process->input.open(true), output = process->output.open(false),
          errors = process->errors.open(false);
   if (!input || !output || !errors) {
-    refusal = "no pipe to a program: " + sentence(GetLastError());
+    refusal = "cannot create a pipe to the program: " + sentence(GetLastError());
     return nullptr;
   }
   std::wstring line;
@@ -237,7 +237,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   if (!CreateProcessW(utf8_path(words[0]).c_str(), line.data(), nullptr, nullptr, TRUE,
                       CREATE_NO_WINDOW | EXTENDED_STARTUPINFO_PRESENT, nullptr, nullptr,
                       &startup.StartupInfo, &made)) {
-    refusal = words[0] + " does not start: " + sentence(GetLastError());
+    refusal = words[0] + ": cannot start: " + sentence(GetLastError());
     return nullptr;
   }
   CloseHandle(made.hThread);

@@ -62,12 +62,12 @@ std::optional<ServedProgram::Message> ServedProgram::poll(const Expects& expects
     message = exchange(expects, lost);
   } catch (const std::bad_alloc&) {
     in_ = {};
-    lost = "there is not enough memory for the solver's answer";
+    lost = "not enough memory for the solver's answer";
   }
   if (message)
     awaiting_response_ = false;
   else if (lost.empty() && awaiting_response_ && Clock::now() >= limit_)
-    lost = "the solver did not answer within " + number_text(limit_s_) + " s and was ended";
+    lost = "the solver did not answer within " + number_text(limit_s_) + " s and was stopped";
   return message;
 }
 
@@ -86,7 +86,7 @@ std::optional<ServedProgram::Message> ServedProgram::exchange(const Expects& exp
           ((kind == ServeKind::refused && header.size <= kMaxSentence) || expects(header)))) {
       lost = "the solver sent an invalid answer (magic " + std::to_string(header.magic) +
              ", kind " + std::to_string(header.kind) + ", " + std::to_string(header.size) +
-             " bytes) and was ended: expected " + name_ + " of this version";
+             " bytes) and was stopped: expected " + name_ + " of this version";
       return {};
     }
     const std::size_t whole = sizeof(ServeHeader) + static_cast<std::size_t>(header.size);

@@ -12,10 +12,9 @@ template <class Bytes> std::string read(std::string_view path, Bytes& bytes, std
   std::error_code failed;
   const std::uint64_t size = std::filesystem::file_size(utf8_path(path), failed);
   if (!file || failed)
-    return "it is no file that can be read";
+    return "it is not a readable file";
   if (size > max)
-    return "it has " + std::to_string(size) + " bytes: expected " + std::to_string(max) +
-           " at most";
+    return "it has " + std::to_string(size) + " bytes: expected at most " + std::to_string(max);
   bytes.resize(static_cast<std::size_t>(size));
   if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
     return "it cannot be read";

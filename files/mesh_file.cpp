@@ -89,7 +89,7 @@ PolygonMesh read_mesh(std::string_view bytes, MeshFormat format, const MeshLimit
   else
     read_text(bytes.substr(bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0), format, limits, mesh);
   if (mesh.error.empty() && mesh.polygons() == 0)
-    mesh.error = "holds no triangles; expected an STL or OBJ file";
+    mesh.error = "holds no triangles: expected an STL or OBJ file";
   return mesh;
 }
 

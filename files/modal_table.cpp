@@ -48,8 +48,9 @@ void read_orthotropy(TableArrays& arrays, const Json& meta, Material& material) 
     own.axis_2 = axis("axis_2");
   }
   if (!own.possible())
-    return arrays.refuse("the orthotropic material in meta cannot exist: expected E, G and nu of "
-                         "three numbers each, stable, and two axes");
+    return arrays.refuse(
+        "the orthotropic material in meta is not possible: expected E, G and nu of "
+        "three numbers each with a positive definite stiffness, and two axes");
   material.youngs_modulus_pa = own.youngs_modulus_pa[0];
   material.orthotropy = own;
 }
@@ -84,14 +85,16 @@ void read_description(TableArrays& arrays, ModalTable& table) {
     return;
   const Material& m = table.material;
   if (m.youngs_modulus_pa < 0 || m.density_kg_per_m3 < 0 || m.poisson <= -1 || m.poisson >= 0.5)
-    return arrays.refuse("the material in meta cannot exist");
+    return arrays.refuse("the material in meta is not possible: expected E >= 0, rho >= 0 and "
+                         "-1 < nu < 0.5");
   if (const Json* air = json.find("air")) {
     table.air_density_kg_per_m3 = air->number_or("rho", table.air_density_kg_per_m3);
     table.sound_speed_m_per_s = air->number_or("c", table.sound_speed_m_per_s);
   }
   if (!(table.air_density_kg_per_m3 > 0 && table.air_density_kg_per_m3 < 1e4) ||
       !(table.sound_speed_m_per_s > 1 && table.sound_speed_m_per_s < 1e5))
-    arrays.refuse("the air in meta cannot exist");
+    arrays.refuse("the air in meta is not possible: expected rho in 0..1e4 kg/m^3 and c in "
+                  "1..1e5 m/s");
 }
 
 void read_frequencies(TableArrays& arrays, ModalTable& table) {
@@ -105,7 +108,7 @@ void read_frequencies(TableArrays& arrays, ModalTable& table) {
     return arrays.refuse("it has " + std::to_string(f.size()) + " modes: expected at most " +
                          std::to_string(kMaxModes));
   if (!(f.front() > 0) || f.back() > kMaxFrequency || !std::is_sorted(f.begin(), f.end()))
-    return arrays.refuse("array 'freq' must ascend within 0..1e+08 Hz");
+    return arrays.refuse("array 'freq': expected ascending values in 0..1e+08 Hz");
   const std::size_t modes = f.size();
   const auto rates = [&](std::string_view name, double maximum) {
     auto values = arrays.doubles(name, {modes}, false);
@@ -158,7 +161,7 @@ void read_surface(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   for (const float x : table.shape)
     largest = std::max(largest, std::abs(x));
   if (!(largest > 0) || largest > static_cast<float>(kMaxShape))
-    return arrays.refuse("array 'phi' is all zero or beyond 1e+06 1/sqrt(kg)");
+    return arrays.refuse("array 'phi': expected values up to 1e+06 1/sqrt(kg), not all zero");
   for (float& x : table.residual_compliance)
     x = std::max(x, 0.0F);
 }
@@ -182,7 +185,7 @@ void read_inertia(TableArrays& arrays, ModalTable& table) {
     table.inertia_kg_m2[i] = {inertia[3 * i], inertia[3 * i + 1], inertia[3 * i + 2]};
   const auto& t = table.inertia_kg_m2;
   if (!(t[0].x > 0 && t[0].x * t[1].y - t[0].y * t[1].x > 0))
-    arrays.refuse("array 'inertia' is not the inertia of a body");
+    arrays.refuse("array 'inertia': expected a positive definite matrix");
 }
 
 bool all_finite(const std::vector<std::complex<float>>& numbers) {
@@ -222,14 +225,14 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
                          std::to_string(out.scales.size()) + " scales");
   for (std::size_t s = 0; s < out.scales.size(); ++s)
     if (!(out.scales[s] > 0) || (s > 0 && out.scales[s] <= out.scales[s - 1]))
-      return arrays.refuse("array 'mp_scales' must ascend above 0");
+      return arrays.refuse("array 'mp_scales': expected ascending values above 0");
   out.coefficients = coefficients->single_complex_values();
   if (!all_finite(out.coefficients))
-    return arrays.refuse("array 'mp_coef' holds numbers that are not finite");
+    return arrays.refuse("array 'mp_coef': not a finite number");
   out.centre = {centre[0], centre[1], centre[2]};
   out.reference_radius_m = radius[0];
   if (!(radius[0] > 0))
-    arrays.refuse("mp_rref must be above 0 m");
+    arrays.refuse("mp_rref: expected more than 0 m");
 }
 
 /// Reads the waves at the frequencies common to all modes.
@@ -256,7 +259,7 @@ void read_band(TableArrays& arrays, ModalTable& table) {
   }
   for (std::size_t f = 0; f < out.frequency_hz.size(); ++f)
     if (!(out.frequency_hz[f] > 0) || (f > 0 && out.frequency_hz[f] <= out.frequency_hz[f - 1]))
-      return arrays.refuse("array 'mp_band_freq' must ascend above 0");
+      return arrays.refuse("array 'mp_band_freq': expected ascending values above 0");
   const auto waves = static_cast<std::uint64_t>(out.offset[modes]);
   if (out.frequency_hz.size() < 4 ||
       product(waves, out.frequency_hz.size()) != coefficients->count())
@@ -265,7 +268,7 @@ void read_band(TableArrays& arrays, ModalTable& table) {
                          std::to_string(out.frequency_hz.size()) + " frequencies, 4 or more");
   out.coefficients = coefficients->single_complex_values();
   if (!all_finite(out.coefficients))
-    return arrays.refuse("array 'mp_band_coef' holds numbers that are not finite");
+    return arrays.refuse("array 'mp_band_coef': not a finite number");
   table.multipoles.band = std::move(out);
 }
 
@@ -274,7 +277,7 @@ void read_raw(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   if (!array || !arrays.ok())
     return;
   if (array->shape.size() != 3 || array->count() == 0)
-    return arrays.refuse("array 'raw_v' must be hits x points x samples");
+    return arrays.refuse("array 'raw_v': expected the shape hits x points x samples");
   RawTable& out = table.raw;
   out.hits = array->shape[0];
   out.points = array->shape[1];
@@ -304,7 +307,7 @@ void read_sensitivity(TableArrays& arrays, const NpzFile& file, ModalTable& tabl
     return;
   const std::size_t modes = table.modes(), parameters = out.parameters();
   if (parameters > kMaxShapeSlopes / modes)
-    return arrays.refuse("it has " + std::to_string(parameters) + " shape parameters of " +
+    return arrays.refuse("it has " + std::to_string(parameters) + " shape parameters for " +
                          std::to_string(modes) + " modes: expected at most " +
                          std::to_string(kMaxShapeSlopes / modes));
   out.eigenvalue_slope = arrays.doubles("domega2_dp", {parameters, modes}, true);
@@ -312,7 +315,7 @@ void read_sensitivity(TableArrays& arrays, const NpzFile& file, ModalTable& tabl
   for (std::size_t p = 0; p < parameters && arrays.ok(); ++p) {
     const design::DesignParameter& range = out.shape.parameters[p];
     if (out.solved_at(p) < range.low_m || out.solved_at(p) > range.high_m)
-      arrays.refuse("array 'displacement' leaves the bounds of parameter " + std::to_string(p));
+      arrays.refuse("array 'displacement' is outside the bounds of parameter " + std::to_string(p));
   }
 }
 

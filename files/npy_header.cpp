@@ -37,7 +37,7 @@ std::string read_type(std::string_view text, NpzArray& array) {
                      (array.kind == 'c' && (n == 8 || n == 16)) || (array.kind == 'b' && n == 1);
   if (!known || (order != '<' && order != '>' && order != '|'))
     return "has type " + std::string(text.substr(0, close + 1)) +
-           ": expected whole, real or complex numbers of usual size";
+           ": expected integer, real or complex numbers of a standard size";
   return {};
 }
 

@@ -46,18 +46,18 @@ std::string locate(std::span<const std::byte> file, Member& member) {
   if (member.method == 8)
     return named + "is compressed: save with numpy.savez, not savez_compressed";
   if (member.method != 0)
-    return named + "is stored in a way that is not known";
+    return named + "has an unknown compression method: save with numpy.savez";
   if (member.size == 0xffffffff || member.stored == 0xffffffff || member.local == 0xffffffff)
     return named + "is a ZIP64 member: files above 4 GB are not read";
   if (member.stored != member.size)
-    return named + "has two sizes";
+    return named + "is damaged: its two sizes differ";
   if (member.local > file.size() || file.size() - member.local < kLocalEntry ||
       number_at(file, member.local, 4) != 0x04034b50)
-    return named + "is not where the directory says";
+    return named + "is damaged: it is not at the position given in the directory";
   const std::size_t begin = member.local + kLocalEntry + number_at(file, member.local + 26, 2) +
                             number_at(file, member.local + 28, 2);
   if (begin > file.size() || file.size() - begin < member.size)
-    return named + "is cut off";
+    return named + "is damaged: it ends early";
   member.bytes = file.subspan(begin, member.size);
   return {};
 }
@@ -97,7 +97,7 @@ std::string read_entry(std::span<const std::byte> file, std::size_t end, std::si
            c == '.' || c == '-';
   });
   if (!plain || member.name.find("..") != std::string::npos || member.name.empty())
-    return "a member's name is not a plain name";
+    return "a member's name is not a plain name: expected letters, digits, _, . and -";
   return {};
 }
 
@@ -111,12 +111,12 @@ std::string read_array(std::span<const std::byte> bytes, const std::string& name
   for (const std::size_t extent : array.shape) {
     const auto larger = product(size, extent);
     if (!larger)
-      return "array '" + array.name + "' claims more elements than there can be";
+      return "array '" + array.name + "' has a damaged shape: it is too large";
     size = *larger;
   }
   if (size != bytes.size() - header)
     return "array '" + array.name + "' is " + std::to_string(bytes.size() - header) +
-           " bytes long where its shape asks for " + std::to_string(size);
+           " bytes long: expected for its shape " + std::to_string(size);
   array.bytes = bytes.subspan(header);
   return {};
 }
@@ -247,7 +247,7 @@ std::string NpzFile::open(std::span<const std::byte> file) {
   arrays_.clear();
   const std::size_t end = find_end_record(file);
   if (end == file.size())
-    return "not an .npz file, or cut off: a ZIP archive ends otherwise";
+    return "not an .npz file, or damaged: it has no ZIP end record";
   const std::size_t members = number_at(file, end + 10, 2);
   const std::size_t directory = number_at(file, end + 16, 4);
   if (members == 0xffff || directory == 0xffffffff)
@@ -275,7 +275,7 @@ std::string NpzFile::open(std::span<const std::byte> file) {
       return refusal;
     if (std::any_of(found.begin(), found.end(),
                     [&](const NpzArray& other) { return other.name == array.name; }))
-      return "array '" + array.name + "' is there twice";
+      return "array '" + array.name + "' occurs twice";
     found.push_back(std::move(array));
   }
   arrays_ = std::move(found);

@@ -68,7 +68,7 @@ std::string NpzWriter::emit(const Sink& sink) const {
   std::uint64_t at = 0;
   for (const Member& m : members_) {
     if (at + m.bytes.size() > 0xFFFFFF00ULL)
-      return "the table is larger than 4 GB: take fewer modes or a coarser mesh";
+      return "the table is larger than 4 GB: use fewer modes or a coarser mesh";
     std::string common; // the fields common to local and central headers
     put(common, 20, 2); // version needed
     put(common, 0, 2);

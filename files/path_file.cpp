@@ -28,14 +28,14 @@ std::string add_row(std::string_view line, std::vector<haptic::PathRow>& rows) {
   }
   const auto far = [](double mm) { return std::abs(mm) > kFarthest_mm; };
   if (far(values[1]) || far(values[2]) || far(values[3]))
-    return "a position is beyond 100000 mm";
+    return "a position is outside -100000..100000 mm";
   if (values[4] < 0 || values[4] > 4294967295.0 || values[4] != std::floor(values[4]))
-    return "the button mask is not a whole number from 0 to 4294967295";
+    return "the button mask is not an integer in 0..4294967295";
   const double time_s = values[0] * 1e-3;
   if (!rows.empty() && time_s < rows.back().time_s)
     return "time goes backwards";
   if (rows.size() == kMaxRows)
-    return "more than 2000000 rows";
+    return "expected at most 2000000 rows";
   rows.push_back({time_s,
                   {values[1] * 1e-3, values[2] * 1e-3, values[3] * 1e-3},
                   static_cast<std::uint32_t>(values[4])});

@@ -36,7 +36,7 @@ public:
       return k.section == section_ && k.name == words[0];
     });
     if (key == keys.end())
-      return "there is no '" + std::string(words[0]) + "' " +
+      return "unknown key '" + std::string(words[0]) + "' " +
              (section_.empty() ? "before the first section" : "in [" + std::string(section_) + "]");
     const std::string label = std::string(words[0]);
     const auto value = words.size() == 2 ? to_number(words[1]) : std::nullopt;
@@ -107,7 +107,8 @@ std::string read_recipe(std::string_view text, Recipe& recipe) {
   if (!refusal.empty())
     return refusal;
   if (!reader.recipe.solid.present && !reader.recipe.friction.present && reader.recipe.clouds == 0)
-    return "it has no section that sounds";
+    return "it has no sounding section: expected [solid], [friction], [grains], [bubbles] or "
+           "[rustle]";
   recipe = reader.recipe;
   return {};
 }

@@ -10,7 +10,7 @@
 namespace tactus::files {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "messages are copied byte by byte");
 
 } // namespace
 

@@ -54,7 +54,7 @@ bool is_stl_text(std::string_view bytes) {
 
 void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMesh& mesh) {
   if (bytes.size() < kHeader) {
-    mesh.error = "is no STL file: it has " + std::to_string(bytes.size()) +
+    mesh.error = "is not an STL file: it has " + std::to_string(bytes.size()) +
                  " bytes and does not start with \"solid\"";
     return;
   }
@@ -63,8 +63,8 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
   if (count == 0) // left out by some writers
     count = (bytes.size() - kHeader) % kRecord == 0 ? available : 0;
   if (count > available) {
-    mesh.error = "promises " + std::to_string(count) + " triangles and ends after " +
-                 std::to_string(available);
+    mesh.error = "is damaged: its header counts " + std::to_string(count) +
+                 " triangles, it ends after " + std::to_string(available);
     return;
   }
   if (!accepts(count, limits, mesh))
@@ -80,7 +80,8 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
         p[axis] = static_cast<double>(
             std::bit_cast<float>(read_uint32(bytes, at + 4 * static_cast<std::size_t>(axis))));
       if (!is_finite(p)) {
-        mesh.error = "triangle " + std::to_string(t + 1) + " has a corner that is no number";
+        mesh.error =
+            "triangle " + std::to_string(t + 1) + " has a corner that is not a finite number";
         return;
       }
       mesh.corner.push_back(static_cast<std::uint32_t>(mesh.points.size()));
@@ -116,7 +117,7 @@ public:
 
   void end() {
     if (mesh_.error.empty() && first_ != mesh_.points.size())
-      mesh_.error = "ends within a facet";
+      mesh_.error = "is damaged: it ends within a facet";
   }
 
 private:

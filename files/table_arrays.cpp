@@ -27,7 +27,7 @@ const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
     return nullptr;
   }
   if (kinds.find(array->kind) == std::string_view::npos) {
-    refuse(named + "holds the wrong kind of numbers");
+    refuse(named + "has the wrong type of numbers");
     return nullptr;
   }
   const bool matches =
@@ -49,12 +49,12 @@ Json TableArrays::description(std::string_view format) {
     return json;
   constexpr std::size_t kMaxBytes = 1u << 20; // parsed JSON takes eighty times its text
   if (meta->bytes.size() > kMaxBytes) {
-    refuse("array 'meta' has " + std::to_string(meta->bytes.size()) + " bytes: expected " +
-           std::to_string(kMaxBytes) + " at most");
+    refuse("array 'meta' has " + std::to_string(meta->bytes.size()) + " bytes: expected at most " +
+           std::to_string(kMaxBytes));
     return json;
   }
   if (meta->item_bytes != 1) {
-    refuse("array 'meta' is not bytes of JSON");
+    refuse("array 'meta': expected JSON as bytes (uint8)");
     return json;
   }
   const std::string_view text(reinterpret_cast<const char*>(meta->bytes.data()),
@@ -66,7 +66,7 @@ Json TableArrays::description(std::string_view format) {
   std::string words(format);
   std::replace(words.begin(), words.end(), '-', ' ');
   if (const std::string found = json.text_or("format", ""); found != format)
-    refuse("it is no " + words + ": meta says format '" + found + "', expected '" +
+    refuse("it is not a " + words + ": meta says format '" + found + "', expected '" +
            std::string(format) + "'");
   else if (const std::string version = json.text_or("version", "");
            version != "1" && !version.starts_with("1."))
@@ -84,7 +84,7 @@ std::vector<T> TableArrays::numbers(std::string_view name, std::initializer_list
     return {};
   std::vector<T> found = (array->*values)();
   if (!std::all_of(found.begin(), found.end(), [](T x) { return std::isfinite(x); }))
-    refuse("array '" + std::string(name) + "' holds numbers that are not finite");
+    refuse("array '" + std::string(name) + "': not a finite number");
   return found;
 }
 

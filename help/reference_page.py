@@ -2,7 +2,7 @@
 """The objects' declarations as Markdown: docs/reference/NAME.md, and the keys of a ground's text.
 
     reference_page.py --declarations declarations.json --surface-keys surface_keys.json --docs FOLDER
-    reference_page.py ... --check FOLDER                        are the pages in FOLDER up to date?
+    reference_page.py ... --check FOLDER                        checks that the pages in FOLDER are up to date
 
 FOLDER is docs/; the pages are FOLDER/reference/NAME.md, and the part of FOLDER/formats/surface.md between its
 two marks.
@@ -18,13 +18,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BEGIN = "<!-- written by help/reference_page.py -->\n"
 END = "<!-- end -->\n"
 SECTIONS = {  # of a ground's text
-    "": "Before the first section",
+    "": "Keys before the first section",
     "solid": "`[solid]`: a floor that heel and ball strike",
-    "friction": "`[friction]`: boards that creak",
+    "friction": "`[friction]`: creaking boards",
     "grains": "`[grains]`: particles",
     "bubbles": "`[bubbles]`: bubbles in water",
-    "rustle": "`[rustle]`: countless small particles",
-    "room": "`[room]`: what the walls send back",
+    "rustle": "`[rustle]`: very many small particles",
+    "room": "`[room]`: reflections of the walls",
 }
 
 
@@ -84,10 +84,10 @@ def in_the_box(declaration):
     text = ""
     if arguments:
         text = f"`[{name} {' '.join(arguments)}]`: the first word or number without a flag is the message `{arguments[0]}`. "
-    return text + ("Every parameter and every message below is also a flag, before or after that: `-name` with what "
-                   "follows the name in the message"
+    return text + ("Every parameter and every message below can also be given as a flag, before or after other "
+                   "arguments: `-name` followed by the values of the message"
                    + (f", as in `[{name} {' '.join(flags)}]`" if flags else "")
-                   + ". Flags are carried out in order when the object is made.")
+                   + ". Flags are applied in order when the object is created.")
 
 
 def page(declaration):
@@ -100,7 +100,7 @@ def page(declaration):
            f"right-click the object in Pd, or [{name}-help.pd](../../help/{name}-help.pd).", ""]
     if d["sound"]:
         file, _, text = d["sound"].partition(": ")
-        out += [f"Listen, once `./play {file.split('/')[0]}` has made it: [{text}](../../out/{file}).", ""]
+        out += [f"Listen, after `./play {file.split('/')[0]}`: [{text}](../../out/{file}).", ""]
     out += ["## In the box", "", in_the_box(d), ""]
     for side in ("inlets", "outlets"):
         out += [f"## {side.capitalize()}", ""]
@@ -108,13 +108,13 @@ def page(declaration):
                      [[str(i + 1), kind, code(port), unit, text] for i, (kind, port, unit, text) in
                       enumerate(ports(d, side))])
     if d["parameters"]:
-        out += ["## Parameters", "", "Flag `-name value` in the object's box, message `name value`, question `get name`.", ""]
+        out += ["## Parameters", "", "Flag `-name value` in the object's box, message `name value`, query `get name`.", ""]
         out += table(["parameter", "range", "initially", "meaning"],
                      [[code(p["name"]), range_text(p), with_unit(initial_text(p), "" if p["choices"] else p["unit"]),
                        p["text"]] for p in d["parameters"]])
     out += ["## Messages", ""]
     rows = [[forms(m), m["text"]] for m in d["messages"]]
-    rows += [(["`get [name ...]`"], "send the named lines of `dump`, without a name all parameters, to the info outlet"),
+    rows += [(["`get [name ...]`"], "send the named values of `dump`, by default all parameters, to the info outlet"),
              (["`dump`"], "send all parameters and derived values to the info outlet")]
     out += table(["message", "meaning"], [["<br>".join(typed), text] for typed, text in rows])
     return "\n".join(out + ["Written from the object's own declaration by `help/reference_page.py`.", ""])
@@ -157,7 +157,7 @@ def main():
     stale = [path.name for path, text in fresh if not path.exists() or path.read_text() != text]
     extra = {p.name for p in (a.check / "reference").glob("*.md")} - {path.name for path, _ in fresh}
     if stale or extra:
-        raise SystemExit(f"{a.check}: out of date: {', '.join(stale)}{'; no object: ' if extra else ''}"
+        raise SystemExit(f"{a.check}: out of date: {', '.join(stale)}{'; pages of unknown objects: ' if extra else ''}"
                          f"{', '.join(sorted(extra))}; run: ninja -C build reference")
 
 

@@ -102,17 +102,17 @@ def wrap(text, width):
 def reference_rows(declaration):
     """What [pd reference] says, row by row: a heading, or a left and a right text."""
     if declaration["arguments"]:
-        yield "arguments, before, between or after flags", None
+        yield "arguments (flags may stand before, between or after them)", None
         for i, name in enumerate(declaration["arguments"]):
-            yield f"{i + 1}: {name}", f"as the message {name}"
+            yield f"{i + 1}: {name}", f"same as the message {name}"
     if declaration["parameters"]:
-        yield "parameters: flag -name value, message name value, get name", None
+        yield "parameters: flag -name value, message name value, query get name", None
         for p in declaration["parameters"]:
             yield f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})"
-    yield "messages, and flags: -name with what follows", None
+    yield "messages (each is also a flag: -name arguments)", None
     for m in declaration["messages"]:
         yield f"{m['name']} {m['arguments']}".strip(), m["text"]
-    yield "get [name ...]", "send the named lines of dump, or all parameters, to the info outlet"
+    yield "get [name ...]", "send the named values of dump, by default all parameters, to the info outlet"
     yield "dump", "send all parameters and derived values to the info outlet"
 
 
@@ -157,14 +157,14 @@ def fill_help(source, declaration):
     """The finished help patch: the drawn one, with what the declaration knows."""
     window = re.match(r"#N canvas (-?\d+) (-?\d+) (\d+) (\d+) (\d+);", source)
     if not window:
-        raise SystemExit(f"{declaration['name']}-help.pd: its first line is not a window")
+        raise SystemExit(f"{declaration['name']}-help.pd: first line: expected #N canvas X Y WIDTH HEIGHT SIZE;")
     width, height = int(window.group(3)), int(window.group(4))
     rows = []
     for side in ("inlets", "outlets"):
         for i, (kind, name, unit, text) in enumerate(ports(declaration, side)):
             rows.append((side if i == 0 else "", f"{i + 1}  {kind}",
                          f"{name}{', ' + unit if unit else ''}: {text}"))
-    rows += [("arguments" if i == 0 else "", f"{i + 1}  {name}", f"as the message {name}")
+    rows += [("arguments" if i == 0 else "", f"{i + 1}  {name}", f"same as the message {name}")
              for i, name in enumerate(declaration["arguments"])]
     if declaration["related"]:
         rows.append(("see also", "", declaration["related"]))
@@ -185,7 +185,7 @@ def fill_help(source, declaration):
         out.append(comment(170, y, text, columns))
         y += step
     out += reference_patch(declaration) + [f"#X restore 10 {height - 28} pd reference;"]
-    out.append(comment(110, height - 28, "<- click: every argument, parameter and message"))
+    out.append(comment(110, height - 28, "<- click: all arguments, parameters and messages"))
     out += meta_patch(declaration) + [f"#X restore {width - 80} {height - 28} pd META;"]
     return "\n".join(out) + "\n"
 

@@ -7,9 +7,10 @@ namespace tactus::net {
 
 std::string_view refusal_text(std::string_view code) noexcept {
   using Row = std::pair<std::string_view, std::string_view>;
-  constexpr std::array kRows{
-      Row{"token", "the token is wrong"}, Row{"locked", "too many wrong tokens: wait ten seconds"},
-      Row{"version", "it speaks protocol 1"}, Row{"full", "it takes eight clients at once"}};
+  constexpr std::array kRows{Row{"token", "the token is wrong"},
+                             Row{"locked", "too many wrong tokens: wait ten seconds"},
+                             Row{"version", "expected protocol version 1"},
+                             Row{"full", "eight clients are already connected"}};
   for (const auto& [known, text] : kRows)
     if (known == code)
       return text;
@@ -18,7 +19,7 @@ std::string_view refusal_text(std::string_view code) noexcept {
 
 std::string_view refusal_text_of_peer(std::string_view code) noexcept {
   const std::string_view text = refusal_text(code);
-  return text.empty() ? "it refuses the connection" : text;
+  return text.empty() ? "the connection was refused" : text;
 }
 
 std::string_view Admission::admit(std::string_view peer, std::string_view token, int protocol,

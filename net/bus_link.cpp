@@ -65,13 +65,13 @@ void BusLink::start(std::shared_ptr<Worker> worker) {
       try {
         worker->run();
       } catch (const std::exception& error) {
-        worker->exchange.post({Notice::What::kFailed, std::string("it ended: ") + error.what()});
+        worker->exchange.post(
+            {Notice::What::kFailed, std::string("the connection failed: ") + error.what()});
       }
       *worker->ended = true;
     });
   } catch (const std::system_error&) {
-    worker_->exchange.post(
-        {Notice::What::kFailed, "no thread can be started: close other programs"});
+    worker_->exchange.post({Notice::What::kFailed, "cannot start a thread: close other programs"});
   }
 }
 

@@ -70,7 +70,7 @@ void BusNode::watch(ClientId client, double now_s) {
 
 void BusNode::disconnect(ClientId client) {
   const BusSession& session = *sessions_[client];
-  last_reason_ = session.reason().empty() ? "the line was cut" : session.reason();
+  last_reason_ = session.reason().empty() ? "the connection was lost" : session.reason();
   if (reported_ready_[client])
     exchange_.post({Notice::What::kEnded, last_reason_, --exchange_.ready});
   if (session.admitted && side_ == BusSession::Side::kListener)

@@ -89,7 +89,7 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
   case Address::kBye:
     if (admitted)
       reason_ =
-          "the other side has ended it: " + printable(message.string_at(0).value_or("no reason"));
+          "the peer closed it: " + printable(message.string_at(0).value_or("no reason given"));
     else
       reason_ = refusal_text_of_peer(message.string_at(0).value_or(""));
     closing = true;
@@ -98,7 +98,7 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
     break;
   }
   if (!admitted)
-    return {"hello", "say hello first: hello protocol name bus token"};
+    return {"hello", "send hello first: hello protocol name bus token"};
   switch (message.address()) {
   case Address::kPing:
   case Address::kPong:
@@ -106,7 +106,7 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
   case Address::kTopic:
     return on_topic(message, now_s, receiver);
   default:
-    return {"unknown", "a bus takes ping, pong, error, bye and /bus/TOPIC"};
+    return {"unknown", "expected ping, pong, error, bye or /bus/TOPIC"};
   }
 }
 
@@ -114,12 +114,12 @@ BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
   const auto peer_name = message.string_at(1), role = message.string_at(2);
   if (side_ == Side::kCaller || admitted)
-    return {"hello", "hello is sent once, by the caller"};
+    return {"hello", "only the caller sends hello, once"};
   if (!protocol || !peer_name || !role || message.size() > 4 ||
       (message.size() == 4 && !message.string_at(3)))
     return {"arguments", "expected hello protocol name bus token"};
   if (*role != kRole)
-    return {"arguments", "the role is bus"};
+    return {"arguments", "expected the role bus"};
   if (const auto code = admission_.admit(peer, message.string_at(3).value_or(""), *protocol, now_s);
       !code.empty()) {
     reason_ = code;
@@ -136,7 +136,7 @@ BusSession::Refusal BusSession::on_welcome(const Message& message, double now_s)
   const auto protocol = message.integer_at(0);
   const auto peer_name = message.string_at(1);
   if (side_ == Side::kListener || admitted)
-    return {"hello", "welcome answers hello, once"};
+    return {"hello", "welcome is sent once, in answer to hello"};
   if (!protocol || !peer_name || message.size() != 2)
     return {"arguments", "expected welcome protocol name"};
   name = printable(peer_name->substr(0, kMaxName));
@@ -211,12 +211,14 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
 /// Events are numbered from 1 on, and may begin again there.
 void BusSession::count_event(const Message& message, double now_s) {
   if (may_be_rounded(message[0]))
-    return send_error("sequence", "numbers of six digits: begin again at 1 before 1000000", now_s);
+    return send_error("sequence",
+                      "the event number has more than six digits: restart at 1 before 1000000",
+                      now_s);
   const auto event = static_cast<std::uint32_t>(*message.integer_at(0));
   const std::uint32_t gap = event == 1 ? 0 : event - events_taken_ - 1;
   if (gap != 0) {
     lost_events_ += gap;
-    send_error("sequence", "events are missing: they are numbered from 1 on", now_s);
+    send_error("sequence", "events are missing: their numbers must increase by one, from 1", now_s);
   }
   events_taken_ = event;
 }
@@ -240,7 +242,7 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
   if (!event)
     dropped_ += send_sample(message) ? 0 : 1;
   else if (send_event(message); closing && reason_.empty())
-    reason_ = "the other side does not read what it is sent";
+    reason_ = "the peer does not read its data";
 }
 
 void BusSession::advance(double now_s) {
@@ -248,9 +250,10 @@ void BusSession::advance(double now_s) {
     return;
   check_timeouts(now_s);
   if (closing) {
-    reason_ = !admitted ? side_ == Side::kCaller ? "no bus answers there" : "no hello was received"
-              : now_s - last_message_s >= kTimeout_s ? "nothing came for 5 s"
-                                                     : "a frame was not complete after 2 s";
+    reason_ = !admitted
+                  ? side_ == Side::kCaller ? "no bus answers at this address" : "received no hello"
+              : now_s - last_message_s >= kTimeout_s ? "received nothing for 5 s"
+                                                     : "a frame was still incomplete after 2 s";
     return;
   }
   const double pause_s = ready_ ? kPingInterval_s : kFirstPing_s;

@@ -35,7 +35,7 @@ void Client::send(const Message& message) {
   std::array<std::uint8_t, kMaxSent + 4> bytes;
   const std::size_t size = encode_frame(Framing::kLength, message, bytes);
   if (!out_.add_event({bytes.data(), size})) {
-    trouble_ = "the server does not read what it is sent";
+    trouble_ = "the server does not read its data";
     ended_ = true;
   }
 }
@@ -133,11 +133,11 @@ bool Client::advance(double now_s) {
   if (ended_)
     return false;
   if (!welcomed_ && now_s - connected_s_ >= kWelcome_s) {
-    trouble_ = "no haptic server answers there";
+    trouble_ = "no haptic server answers at this address";
     return false;
   }
   if (now_s - last_message_s_ >= kSilence_s) {
-    trouble_ = "the server has fallen silent";
+    trouble_ = "the server has stopped sending";
     return false;
   }
   if (welcomed_ && now_s - pinged_s_ >= kPingInterval_s) {
@@ -159,7 +159,7 @@ bool Client::receive(std::span<const std::uint8_t> bytes, double now_s) {
     if (outcome == Frame::kNeedMore)
       return true;
     if (outcome != Frame::kMessage || reader_.framing() != Framing::kLength) {
-      trouble_ = "what answers there is no haptic server";
+      trouble_ = "the program at this address is not a haptic server";
       ended_ = true;
       break;
     }
@@ -186,9 +186,9 @@ void Client::take(const Message& message, double now_s) {
   case Address::kBye:
     if (trouble_.empty())
       trouble_ = welcomed_
-                     ? "the server has ended the connection: " +
-                           printable(message.string_at(0).value_or("no reason"))
-                     : "the server says: " +
+                     ? "the server closed the connection: " +
+                           printable(message.string_at(0).value_or("no reason given"))
+                     : "the server reports: " +
                            std::string(refusal_text_of_peer(message.string_at(0).value_or("")));
     ended_ = true;
     return;
@@ -225,7 +225,7 @@ void Client::take_welcome(const Message& message) {
   const auto limit_n = message.number_at(4), rate_hz = message.number_at(5);
   if (!protocol || !axes || !device || !model || !limit_n || !rate_hz || *protocol < kProtocol ||
       !(*limit_n >= 0) || !(*rate_hz > 0)) {
-    trouble_ = "the server's welcome is not understood";
+    trouble_ = "the server's welcome message is not valid";
     ended_ = true;
     return;
   }
@@ -260,7 +260,7 @@ void Client::take_status(const Message& message) {
       udp_refused_ = true;
   } else if (word == "stopped" && in_control_) {
     trouble_ = "the server has stopped the motors: " +
-               printable(message.string_at(1).value_or("no reason"));
+               printable(message.string_at(1).value_or("no reason given"));
     lose_control();
   }
 }
@@ -273,8 +273,8 @@ void Client::take_error(const Message& message) {
   }
   if (code == "stopped" && !in_control_)
     return; // answers a force sent before control was lost; the loss has been reported
-  trouble_ = "the server says: " + (welcomed_ ? printable(message.string_at(1).value_or(code))
-                                              : std::string(refusal_text_of_peer(code)));
+  trouble_ = "the server reports: " + (welcomed_ ? printable(message.string_at(1).value_or(code))
+                                                 : std::string(refusal_text_of_peer(code)));
   if (code == "busy" || code == "estop" || code == "role")
     lose_control();
 }

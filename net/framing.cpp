@@ -159,7 +159,7 @@ FrameReader::Outcome FrameReader::next(std::span<const std::uint8_t>& input,
     if (!framing_) {
       framing_ = framing_of(byte);
       if (!framing_)
-        return broken("the first byte begins no known framing: expected 0xC0 (SLIP), 0x00 (a "
+        return broken("unknown framing by the first byte: expected 0xC0 (SLIP), 0x00 (a "
                       "length) or text");
       may_be_text_ = framing_ == Framing::kSlip && byte != kEnd;
     }

@@ -43,10 +43,10 @@ std::string_view take_word(std::span<char> text, std::size_t& read, std::size_t&
       word.has_escape = true;
       c = text[read];
     } else if (c == ',') {
-      return "a comma: send each message with a semicolon of its own";
+      return "a comma: end each message with its own semicolon";
     }
     if (is_control(c))
-      return "a byte that is no text";
+      return "a byte that is not text";
     text[write++] = c;
   }
   word.text = {text.data() + begin, write - begin};

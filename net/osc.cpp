@@ -100,7 +100,7 @@ bool is_bundle(std::span<const std::uint8_t> packet) noexcept {
 /// Rounded to 32 bits.
 std::string_view add_real(double value, Message& message) noexcept {
   if (!std::isfinite(static_cast<float>(value)))
-    return std::isfinite(value) ? "a number is out of range" : "a number is not finite";
+    return std::isfinite(value) ? "a number is out of range" : "not a finite number";
   message.real(value);
   return {};
 }
@@ -150,7 +150,7 @@ std::string_view check_packet(std::span<const std::uint8_t> packet, int depth) n
   if (!is_bundle(packet))
     return decode_osc(packet, message);
   if (depth == kMaxDepth)
-    return "bundles within bundles deeper than 8";
+    return "bundles are nested more than 8 deep";
   if (packet.size() < kBundleHead)
     return "a bundle ends inside its time tag";
   OscReader reader(packet.subspan(kBundleHead));
@@ -199,7 +199,7 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
   if (!reader.string(address))
     return "the address is not terminated";
   if (address == "#bundle")
-    return "bundles are not taken here: send the messages one by one";
+    return "bundles are not supported: send the messages one by one";
   if (!address.starts_with('/'))
     return "the address does not begin with a slash";
   if (!reader.string(tags) || !tags.starts_with(','))

@@ -16,7 +16,7 @@ namespace tactus::net {
 [[nodiscard]] std::string_view decode_osc(std::span<const std::uint8_t> packet,
                                           Message& message) noexcept;
 inline constexpr std::string_view kOtherType =
-    "a type tag that is not taken: expected i, f, s, d, h, T or F";
+    "unsupported type tag: expected i, f, s, d, h, T or F";
 
 /// Checks a packet with all messages of its bundle, and of bundles within that, so that one with a
 /// bad message does nothing at all. Empty, or one sentence as of decode_osc().

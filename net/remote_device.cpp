@@ -47,7 +47,7 @@ std::string RemoteDevice::configure(std::span<const std::string> words) {
   if (words.size() >= 2 && words[words.size() - 2] == "udp") {
     const std::string& on = words.back();
     if (on != "0" && on != "1")
-      return "net: udp " + on + " is not understood: expected udp 0 or udp 1";
+      return "net: udp " + on + ": expected 0 or 1";
     const bool before = std::exchange(settings_.udp, on == "1");
     if (words.size() == 2)
       return {};
@@ -61,7 +61,7 @@ std::string RemoteDevice::configure(std::span<const std::string> words) {
 
 std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
   const auto refused_port = [](const std::string& port) {
-    return "net: the port " + port + " is no whole number from 1 to 65535";
+    return "net: port " + port + ": expected 1..65535";
   };
   if (words.size() == 2 && words[0] == "token") {
     TokenFile file = read_token_file(words[1]);
@@ -72,7 +72,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
   if (words.size() == 2 && words[0] == "rate") {
     const auto rate_hz = to_number(words[1], 50., 4000.);
     if (!rate_hz)
-      return "net: the rate " + words[1] + " is not from 50 to 4000 Hz";
+      return "net: rate " + words[1] + ": expected 50..4000 Hz";
     settings_.rate_hz = *rate_hz;
     return {};
   }
@@ -80,7 +80,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     if (words[1] == "0") // the index by which `devices` lists the configured server
       return {};
     if (words[1].find_first_not_of("0123456789") == std::string::npos)
-      return "net: there is no device " + words[1] + ": expected 0, HOST or HOST:PORT";
+      return "net: device " + words[1] + ": expected 0, HOST or HOST:PORT";
     const auto colon = words[1].rfind(':');
     const bool has_port = colon != std::string::npos && words[1].find(':') == colon;
     const int port = has_port ? port_of(words[1].substr(colon + 1)) : kPort;
@@ -97,8 +97,8 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     settings_.port = port_of(words[2]);
     return {};
   }
-  return "net: " + (words.empty() ? "nothing" : words[0]) +
-         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000), udp 0|1";
+  return "net: setting " + (words.empty() ? "nothing" : words[0]) +
+         ": expected host HOST PORT, token FILE, rate HZ (50..4000) or udp 0|1";
 }
 
 std::string RemoteDevice::open() {
@@ -119,7 +119,7 @@ std::string RemoteDevice::open() {
   try {
     thread_ = std::thread([this] { serve(); });
   } catch (const std::system_error&) {
-    return "net: no thread can be started for the connection: close other programs";
+    return "net: cannot start a thread for the connection: close other programs";
   }
   std::string sentence;
   {
@@ -132,7 +132,7 @@ std::string RemoteDevice::open() {
       update_caps(*welcome_, round_trip_s_, active_settings_.rate_hz);
       return {};
     }
-    sentence = cancelled_         ? "net: the opening was cancelled: open the device again"
+    sentence = cancelled_         ? "net: opening was cancelled: open the device again"
                : trouble_.empty() ? "net: the haptic server on " + active_settings_.host + ":" +
                                         std::to_string(active_settings_.port) + " does not answer"
                                   : "net: " + trouble_;
@@ -270,15 +270,15 @@ std::string RemoteDevice::run_session(Wire& wire) {
       round_trip_s_ = *client->round_trip_s();
       if (client->udp_refused())
         notice_ = "the haptic server on " + server +
-                  " sends no datagrams, so positions come over TCP: start haptic_server with --udp";
+                  " sends no datagrams; positions arrive over TCP: start haptic_server with --udp";
       trouble_ = notice_;
       changed_.notify_all();
     }
     if (const bool now_late = reported && now_s() - client->position_s() >= kStale_s;
         now_late != late) {
       late = now_late;
-      set_trouble(late ? "no position has come from the haptic server on " + server +
-                             " for 100 ms: no force until positions come again"
+      set_trouble(late ? "no position has arrived from the haptic server on " + server +
+                             " for 100 ms: no force until positions arrive again"
                        : notice_);
     }
   }
@@ -289,9 +289,9 @@ std::string RemoteDevice::run_session(Wire& wire) {
   }
   const std::string reason = client->trouble().empty() ? wire.failure : client->trouble();
   if (const std::lock_guard lock(mutex_); !welcome_)
-    return "the haptic server on " + server + " does not take the connection (" + reason + ")";
+    return "the haptic server on " + server + " refused the connection (" + reason + ")";
   return "the connection to the haptic server on " + server + " was lost (" + reason +
-         "): it is looked for again; then switch the motors on";
+         "): trying to reconnect; afterwards send motors 1";
 }
 
 /// Exchanges the newest states and forces with the servo.

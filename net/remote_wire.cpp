@@ -51,13 +51,13 @@ std::string look_up(const std::string& host, int port, Clock::time_point until,
       lookup->done = true;
     }).detach();
   } catch (const std::system_error&) {
-    return "no thread can be started to look up " + host;
+    return "cannot start a thread to look up " + host;
   }
   while (!lookup->done) {
     if (stop)
       return "stopped";
     if (Clock::now() > until)
-      return "the name " + host + " is not found in time";
+      return "looking up the name " + host + " timed out";
     std::this_thread::sleep_for(kWireTick);
   }
   endpoints = lookup->found;
@@ -84,7 +84,7 @@ std::string Wire::connect(const std::string& host, int port, double timeout_s) {
     socket.close(error);
     while (!outcome && context.run_one() > 0) {
     }
-    return stop ? "stopped" : "no answer in time";
+    return stop ? "stopped" : "timed out";
   }
   context.restart();
   if (*outcome)
@@ -103,7 +103,7 @@ void Wire::read_on() {
   socket.async_read_some(asio::buffer(received), [this](Error error, std::size_t count) {
     if (error) {
       open = false;
-      failure = error == asio::error::eof ? "the server closed it" : error.message();
+      failure = error == asio::error::eof ? "the server closed the connection" : error.message();
       return;
     }
     if (!receiver({received.data(), count})) {

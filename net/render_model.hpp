@@ -2,8 +2,8 @@
 
 #include "core/dsp/mailbox.hpp"
 #include "core/haptic/servo/servo.hpp"
-#include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
+#include "core/stress/vector_ramp.hpp"
 
 #include <cstdint>
 
@@ -34,7 +34,7 @@ public:
 
 private:
   Mailbox<RenderRequest> requests_;
-  stress::LinearGlide gamma_{}, anchor_{};
+  stress::VectorRamp gamma_{}, anchor_{};
   std::uint64_t starts_ = 0;
   bool waiting_ = false; ///< for a position to be the anchor
 };

@@ -65,7 +65,8 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   }
   if (!session.packets.allow(now_s)) {
     if (!session.flooding)
-      session.send_error("flood", "more than 5000 packets a second: the rest is dropped", now_s);
+      session.send_error("flood", "more than 5000 packets a second: further packets are dropped",
+                         now_s);
     session.flooding = true;
     return;
   }
@@ -95,7 +96,7 @@ bool Server::is_recent(const Session& session, double now_s) noexcept {
 /// The force ends whether or not the session that had control still exists.
 void Server::release_control(std::string_view why) {
   release_point();
-  log_event(*controller_, "no longer controls: " + std::string(why));
+  log_event(*controller_, "gave up control: " + std::string(why));
   controller_ = nullptr;
   servo_command_.running = false;
   servo_command_.render.mode = RenderMode::kStopped;

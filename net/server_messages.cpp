@@ -25,7 +25,7 @@ std::optional<Vec3> vector_at(const Message& message, std::size_t first) noexcep
 }
 
 constexpr std::string_view kSequenceText =
-    "the sequence number went back by more than 1000: count on, or begin again at 0";
+    "the sequence number went back by more than 1000: continue counting, or restart at 0";
 
 enum class Order { kNewer, kOld, kJump };
 
@@ -52,7 +52,7 @@ Server::Refusal Server::handle(Session& session, Words message, double now_s) {
   if (address == Address::kPing && (session.admitted || !admission_.needs_token()))
     return on_ping(session, message, now_s);
   if (!session.admitted)
-    return {"hello", "say hello first: hello protocol name role token"};
+    return {"hello", "send hello first: hello protocol name role token"};
   switch (address) {
   case Address::kSubscribe:
     return on_subscribe(session, message);
@@ -78,7 +78,7 @@ Server::Refusal Server::handle(Session& session, Words message, double now_s) {
     return {"unknown", message.name()};
   }
   if (session.role != Session::Role::kControl)
-    return {"role", "an observer cannot change anything: say hello with the role control"};
+    return {"role", "an observer cannot change anything: send hello with the role control"};
   switch (address) {
   case Address::kWorkspace:
     return on_workspace(session, message);
@@ -107,21 +107,21 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
     return {"arguments", "expected hello protocol name role token", true};
   const bool controls = *role == "control";
   if (!controls && *role != "observe")
-    return {"arguments", "the role is control or observe", true};
+    return {"arguments", "expected the role control or observe", true};
   if (session.admitted)
-    return {"hello", "hello was said already"};
+    return {"hello", "hello was already sent"};
   if (const auto code =
           admission_.admit(session.peer, message.string_at(3).value_or(""), *protocol, now_s);
       !code.empty()) {
     if (refusal_notices_.allow(now_s))
-      log_event(session, "is refused: " + std::string(refusal_text(code)));
+      log_event(session, "refused: " + std::string(refusal_text(code)));
     session.refuse_hello(code, now_s);
     return {};
   }
   session.admitted = true;
   session.name = name->empty() ? "-" : name->substr(0, kMaxName);
   session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
-  log_event(session, controls ? "is welcome" : "is welcome, to observe");
+  log_event(session, controls ? "connected" : "connected as observer");
   welcome(session);
   return {};
 }
@@ -154,7 +154,7 @@ Server::Refusal Server::on_start(Session& session, Words message, double now_s) 
   if (controller_ && controller_ != &session)
     return {"busy", "another client is in control"};
   if (report_.emergency_stopped)
-    return {"estop", "the emergency stop is set at the server: release it there"};
+    return {"estop", "the emergency stop is on at the server: release it there"};
   controller_ = &session;
   faults_ = report_.faults;
   session.force_sequence.reset();
@@ -168,7 +168,7 @@ Server::Refusal Server::on_start(Session& session, Words message, double now_s) 
   ++servo_command_.forces;
   servo_command_.alive_s = now_s;
   apply_setup();
-  log_event(session, "controls: " + std::string(*word));
+  log_event(session, "took control: " + std::string(*word));
   broadcast(Message(Address::kStatus).string("started").string(*word).string(session.name));
   return {};
 }
@@ -204,7 +204,7 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
     return {"arguments", "expected feedback sequence gamma, or three gammas", true};
   for (int axis = 0; axis < 3; ++axis)
     if (!((*gamma)[axis] >= 0 && (*gamma)[axis] <= 1))
-      return {"range", "gamma is from 0 to 1", true};
+      return {"range", "gamma: expected 0..1", true};
   const RenderMode mode = servo_command_.render.mode;
   if (controller_ != &session || (mode != RenderMode::kSpring && mode != RenderMode::kDamper))
     return {"stopped", "send start spring or start damper first"};
@@ -227,7 +227,7 @@ Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
     const std::int32_t last_ms = session.last_count(); // a power of 2 minus 1, used as a mask
     const std::int32_t age_ms = (milliseconds(session, now_s) - *echo) & last_ms;
     if (*echo < 0 || *echo > last_ms || age_ms > last_ms / 2)
-      return {"range", "that time has not come yet", true};
+      return {"range", "the echoed time is in the future", true};
     session.echoed_s = std::max(session.echoed_s.value_or(-1e9), now_s - 1e-3 * age_ms);
   }
   session.send_event(

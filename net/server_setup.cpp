@@ -37,7 +37,7 @@ Server::Refusal Server::on_workspace(Session& session, Words message) {
   const haptic::Workspace box{Vec3{mm[0], mm[1], mm[2]} * kM_per_mm,
                               Vec3{mm[3], mm[4], mm[5]} * kM_per_mm};
   if (!box.valid())
-    return {"range", "each minimum of the workspace is below its maximum", true};
+    return {"range", "workspace: expected each minimum below its maximum", true};
   session.setup.workspace = box;
   return {};
 }
@@ -50,7 +50,7 @@ Server::Refusal Server::on_points(Session& session, Words message) {
     if (!count || message.size() != 1)
       return {"arguments", "expected cp/begin number", true};
     if (*count < 0 || static_cast<std::size_t>(*count) > kMaxControlPoints)
-      return {"range", "there are 0 to 4096 control points", true};
+      return {"range", "cp/begin: expected 0..4096 control points", true};
     list.begin(static_cast<std::size_t>(*count));
     return {};
   }
@@ -62,7 +62,7 @@ Server::Refusal Server::on_points(Session& session, Words message) {
     if (!list.open())
       return {"points", "send cp/begin first"};
     if (*id < 0 || static_cast<std::size_t>(*id) >= list.size())
-      return {"range", "there is no control point of that id", true};
+      return {"range", "cp/set: expected an id below the number in cp/begin", true};
     list.set(static_cast<std::size_t>(*id), Vec3{*x, *y, *z} * kM_per_mm);
     return {};
   }
@@ -71,7 +71,7 @@ Server::Refusal Server::on_points(Session& session, Words message) {
       return {"points", "send cp/begin first"};
     list.close();
     if (list.missing() > 0)
-      return {"points", "not every control point was set: the old ones stay"};
+      return {"points", "not every control point was set: the old ones are kept"};
     break;
   default: // cp/clear
     list.begin(0);
@@ -89,7 +89,7 @@ Server::Refusal Server::on_gains(Session& session, Words message) {
     return {"arguments", "expected gains kmin kmax bmin bmax", true};
   const auto [kmin, kmax, bmin, bmax] = values;
   if (!(kmin >= 0 && kmin <= kmax && bmin >= 0 && bmin <= bmax))
-    return {"range", "gains are 0 or more, each minimum below its maximum", true};
+    return {"range", "gains: expected 0 or more, each minimum not above its maximum", true};
   const double k = settings_.stiffness_limit_n_per_m, b = settings_.damping_limit_n_s_per_m;
   stress::RenderGains& gains = session.setup.gains;
   gains = {std::min(kmin, k), std::min(kmax, k), std::min(bmin, b), std::min(bmax, b)};
@@ -109,7 +109,7 @@ Server::Refusal Server::on_force_max(Session& session, Words message) {
   if (!numbers(message, limit_n))
     return {"arguments", "expected forcemax N", true};
   if (!(limit_n[0] >= 0))
-    return {"range", "forcemax is 0 or more", true};
+    return {"range", "forcemax: expected 0 N or more", true};
   session.setup.force_limit_n = std::min(limit_n[0], settings_.force_limit_n);
   session.send_event(
       Message(Address::kStatus).string("forcemax").real(session.setup.force_limit_n));
@@ -138,9 +138,9 @@ Server::Refusal Server::on_subscribe(Session& session, Words message) {
                          : *what == "cp"  ? &session.moves
                                           : nullptr;
   if (!stream)
-    return {"range", "streams are pos, vel and cp", true};
+    return {"range", "subscribe: expected pos, vel or cp", true};
   if (!(*rate_hz >= 0 && *rate_hz <= settings_.rate_hz))
-    return {"range", "a stream's rate is from 0 to the device's", true};
+    return {"range", "subscribe: expected a rate from 0 to the device's", true};
   stream->set(*rate_hz);
   return {};
 }

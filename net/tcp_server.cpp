@@ -308,10 +308,10 @@ std::string TcpServer::open(const Settings& settings) {
     return "cannot listen on " + address + " port " + std::to_string(settings.port) + " (" +
            error.message() + "): " +
            (error == boost::system::errc::address_not_available
-                ? "expected an address of this computer, or 0.0.0.0 for all that it has"
+                ? "expected an address of this computer, or 0.0.0.0 for all of them"
             : error == boost::system::errc::permission_denied
-                ? "expected a port from 1024 on"
-                : "choose another port, or end the program that has it");
+                ? "expected a port of 1024 or above"
+                : "choose another port, or close the program that uses it");
   };
   p.acceptors.clear();
   p.datagram_sockets.clear();
@@ -319,7 +319,7 @@ std::string TcpServer::open(const Settings& settings) {
     Error error;
     const auto address = asio::ip::make_address(settings.listen, error);
     if (error)
-      return settings.listen + " is no address: expected one in numbers, such as 192.168.1.5";
+      return settings.listen + ": expected a numeric address, such as 192.168.1.5";
     if (!address.is_loopback() && !p.service.guarded())
       return "listening on " + settings.listen + " needs a token file of 16 bytes or more";
     if (const Error failed = p.listen({address, port}))

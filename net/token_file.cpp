@@ -18,7 +18,7 @@ TokenFile read_token_file(const std::string& path) {
   if (!failed && fs::is_regular_file(status)) // opening a FIFO would block
     file.open(utf8_path(path), std::ios::binary);
   if (!file.is_open()) {
-    read.error = "the token file " + path + " cannot be read";
+    read.error = "the token file " + path + " cannot be read: check its path and permissions";
     return read;
   }
   std::string text(kMaxToken + 3, '\0');
@@ -28,7 +28,7 @@ TokenFile read_token_file(const std::string& path) {
     text.pop_back();
   if (text.size() < kMinToken || text.size() > kMaxToken || text.find('\0') != text.npos) {
     read.error = "the token file " + path + " holds " + std::to_string(text.size()) +
-                 " bytes: expected 16 to 1024, such as openssl rand -hex 16 writes";
+                 " bytes: expected 16..1024; openssl rand -hex 16 > FILE makes one";
     return read;
   }
   read.token = std::move(text);

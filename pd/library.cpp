@@ -48,7 +48,7 @@ void set_up() {
   const std::string folder = tactus::pd::module_folder();
   t_pd* pd = gensym("pd")->s_thing;
   if (folder.empty() || !pd)
-    return pd_error(nullptr, "tactus: its folder cannot be found; add it to Pd's path instead");
+    return pd_error(nullptr, "tactus: the library's folder was not found: add it to Pd's path");
   t_atom path_and_save[2];
   SETSYMBOL(&path_and_save[0], gensym(encoded(folder).c_str()));
   SETFLOAT(&path_and_save[1], 0); // for this session alone

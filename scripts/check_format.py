@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Is every C and C++ file as clang-format 14 writes it by .clang-format? Status 1 when one is not, 77
-when clang-format-14 is missing.
+"""Checks that every C and C++ file is formatted as clang-format 14 formats it with .clang-format. Status 1 when
+one is not, 77 when clang-format-14 is missing.
 
     check_format.py           the whole checkout
     check_format.py FILE...   these files
@@ -36,7 +36,7 @@ def main(arguments):
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         failed = any(list(pool.map(run, runs)))
     if failed:
-        print("Not formatted; `scripts/check_format.py --fix` does it")
+        print("Not formatted; run `scripts/check_format.py --fix`")
     return 1 if failed else 0
 
 

@@ -68,7 +68,7 @@ missing_packages() {
 # can_install PACKAGE...: ends the command where this machine cannot install
 can_install() {
   [ -e /etc/debian_version ] && command -v apt-get >/dev/null ||
-    fail "set-up knows Debian's packages only; install by hand: $*"
+    fail "set-up supports only Debian's packages; install by hand: $*"
   [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
     fail "needs root or sudo to install: $*"
 }
@@ -86,12 +86,12 @@ set_up() {
   if ! plan=$(apt-get install -s --no-install-recommends $missing 2>/dev/null); then
     update_lists
     plan=$(apt-get install -s --no-install-recommends $missing 2>"$log") ||
-      fail "Debian cannot install them together: $(grep -m1 '^E:' "$log")"
+      fail "Debian cannot install these packages together: $(grep -m1 '^E:' "$log")"
   fi
   if grep -q '^Remv' <<<"$plan"; then
     fail "would remove $(sed -n 's/^Remv \([^ ]*\).*/\1/p' <<<"$plan" | tr '\n' ' ')from this machine; install by hand: $missing"
   fi
-  say "  $(grep -c '^Inst' <<<"$plan") packages with what they need"
+  say "  $(grep -c '^Inst' <<<"$plan") packages including dependencies"
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
       -o APT::Status-Fd=3 -o DPkg::Lock::Timeout=120 $missing 3>&1 >"$log" 2>&1 | progress installed ||
      ! dpkg-query -W $missing >/dev/null 2>&1; then

@@ -17,9 +17,9 @@ HIGHLIGHTS = (
     ("fanfare", "fanfare", "Four players of lip reeds: two trumpets and two trombones"),
     ("walking", "tour", "One walker in one take: gravel, wood, concrete; turns, runs, jumps, sneaks, climbs"),
     ("bodies", "piece", "A piece for nine bodies that were never built: bowl, glass, bell, wood, tube, metal"),
-    ("reed", "adagio_room", "The clarinet of Mozart's Adagio, played by a hand on a haptic device"),
-    ("fanfare", "dawn", "A thrush, a warbler and a dove: the same valve as the trumpets, swinging"),
-    ("rubbing", "glass", "A wet finger goes round the rim of a glass"),
+    ("reed", "adagio_room", "The clarinet of Mozart's Adagio, played by a simulated hand on a haptic device"),
+    ("fanfare", "dawn", "A thrush, a warbler and a dove: [greed~] with the swinging valve of a syrinx"),
+    ("rubbing", "glass", "A wet finger rubs the rim of a glass"),
     ("particles", "piece", "Maraca, cabasa, tambourine and coins over rain and bubbles"),
     ("audiohaptics", "taps_chair", "A hand taps a disk, feels it push back, and hears it"),
 )

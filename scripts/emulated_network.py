@@ -98,7 +98,7 @@ class EmulatedNetwork:
         for
         waiting packets. Settings that are not given keep their values. In force when this returns."""
         if unknown := set(line) - set(LINE):
-            raise TypeError(f"a line has no {', '.join(sorted(unknown))}: expected {', '.join(LINE)}")
+            raise TypeError(f"unknown setting {', '.join(sorted(unknown))}: expected {', '.join(LINE)}")
         if self.router:
             self.router.stdin.write(json.dumps(line) + "\n")
             self.router.stdin.flush()
@@ -216,7 +216,7 @@ def main():
     try:
         tuns = [inside_namespace(namespace, open_tun) for namespace in words.namespaces]
     except OSError as refused:
-        sys.exit(f"/dev/net/tun: {refused.strerror}; lines between namespaces need root and TUN devices")
+        sys.exit(f"/dev/net/tun: {refused.strerror}; connections between namespaces need root and TUN devices")
     print("ready", flush=True)
     route(tuns, words.seed, sys.stdin)
 

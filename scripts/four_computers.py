@@ -50,7 +50,7 @@ def opened(computer, folder):
     patch = PATCHES / f"four_{computer}.pd"
     if computer != "sound" or (STAGE / "disk.modal.npz").is_file():
         return patch
-    print("four_computers: no disk.modal.npz in the library folder (./play makes it): a plate sounds instead")
+    print("four_computers: no disk.modal.npz in the library folder (./play computes it): using a plate")
     other = folder / patch.name
     other.write_text(patch.read_text().replace("disk.modal.npz", "plate.modal.npz"))
     return other
@@ -95,7 +95,7 @@ def run(words):
 
 
 def report(folder, words, latencies, errors):
-    print(f"four computers, {words.delay:g} ms each way, {words.loss:.0%} lost\n"
+    print(f"four computers, delay {words.delay:g} ms in each direction, {words.loss:.0%} of the packets lost\n"
           "| computer | messages seen | wrong messages |\n|---|---|---|")
     hits = {}
     for computer in COMPUTERS:
@@ -117,7 +117,7 @@ def report(folder, words, latencies, errors):
     peak = numpy.abs(sound).max()
     scipy.io.wavfile.write(folder / "sound.wav", rate, (sound * (0.5 / peak if peak > 0 else 1)).astype("float32"))
     print(f"largest force at the device {force:.2f} N; {folder / 'sound.wav'}: {len(sound) / rate:.1f} s, "
-          f"brought from a peak of {peak:.3f} to 0.5")
+          f"scaled from a peak of {peak:.3f} to 0.5")
     same = hits["interaction"] == hits["sound"] == hits["screen"]
     print("the hits of interaction, sound and screen are " + ("the same" if same else "NOT the same"))
     return 0 if same and hits["interaction"] else 1
@@ -125,8 +125,8 @@ def report(folder, words, latencies, errors):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--delay", type=float, default=5, help="ms each way")
-    parser.add_argument("--loss", type=float, default=0, help="share of packets")
+    parser.add_argument("--delay", type=float, default=5, help="delay in each direction, ms")
+    parser.add_argument("--loss", type=float, default=0, help="share of lost packets, 0 to 1")
     parser.add_argument("--seconds", type=float, default=8)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "four_computers")
     try:

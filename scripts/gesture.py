@@ -207,8 +207,8 @@ def positions(gesture, sigma):
     z = numpy.log(gesture.reed / slow) / numpy.log(fast / slow)
     for axis, values in (("y", y), ("z", z)):
         if values.min() < 0 or values.max() > 1:
-            raise ValueError(f"the gesture needs {axis} from {values.min():.3f} to "
-                             f"{values.max():.3f}")
+            raise ValueError(f"the gesture reaches {axis} from {values.min():.3f} to "
+                             f"{values.max():.3f}: expected 0..1")
     return y, z
 
 

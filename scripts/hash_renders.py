@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Hashes what tactus sounds like, to prove that a change of the code changes no render.
+"""Hashes every render of tactus, to show that a change of the code changes none.
 
     hash_renders.py FILE.tsv [--stage build/tactus] [--scenes out] [--seconds 4]   writes the hashes
                     [--keep FOLDER]                                            and keeps the patches' sounds
@@ -8,9 +8,9 @@
 Each line of the table is KIND, NAME and the SHA-256 of the bytes:
     patch   the sound of every help patch and of every patch under patches/, headless, after its play
             button has been pressed
-    scene   every file that ./play has written under --scenes, but for logs and pages
-What also differs between two tables of the same build (--varying) depends on the wall clock or on
-other processes, and is counted apart.
+    scene   every file that ./play has written under --scenes, except logs and pages
+Renders that also differ between two tables of the same build (--varying) depend on the wall clock or on
+other processes; they are counted separately.
 """
 import argparse
 import hashlib
@@ -141,8 +141,8 @@ def main():
     parser.add_argument("--seconds", type=float, default=4)
     parser.add_argument("--pd", type=shlex.split, default=["pd"], metavar="COMMAND",
                         help="another system's Pd under its emulator (docs/cross_build.md)")
-    parser.add_argument("--only", default="", metavar="WORD", help="patches with this in their name")
-    parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keeps the sounds of patches there, WAV of floats")
+    parser.add_argument("--only", default="", metavar="WORD", help="only patches whose name contains WORD")
+    parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keeps the patches' sounds in FOLDER as WAV files of floats")
     parser.add_argument("--compare", nargs=2, metavar=("BEFORE", "AFTER"))
     parser.add_argument("--varying", metavar="BEFORE_AGAIN")
     arguments = parser.parse_args()
@@ -151,7 +151,7 @@ def main():
         again = read(arguments.varying) if arguments.varying else None
         sys.exit(0 if compare(before, after, again) else 1)
     if not arguments.table:
-        parser.error("give the table to write, or --compare")
+        parser.error("expected the table to write, or --compare")
     with open(arguments.table, "w") as table:
         for row in [*hash_patches(arguments.stage.resolve(), arguments.seconds, arguments.pd, arguments.only, arguments.keep), *hash_scenes(arguments.scenes)]:
             table.write("\t".join(row) + "\n")

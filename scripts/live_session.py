@@ -157,7 +157,7 @@ class Session:
         end = time.monotonic() + seconds
         while len(self.of(name, word)) < count:
             if self.pds[name].poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"no {word} from the Pd {name}, which said:\n"
+                raise RuntimeError(f"no {word} from the Pd {name}; its log:\n"
                                    + self.said(name)[-2000:])
             time.sleep(0.01)
 

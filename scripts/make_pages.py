@@ -125,7 +125,7 @@ class Site:
             if not self.made_by_play(page, link, name):
                 return None
         elif name not in self.files and name not in self.folders:
-            self.fault(page, link, "leads to no file")
+            self.fault(page, link, "file not found")
             return link
         elif anchor and name in self.pages and anchor not in self.pages[name].anchors:
             self.fault(page, link, f"{name} has no heading #{anchor}")
@@ -142,9 +142,9 @@ class Site:
         parts = pathlib.PurePosixPath(name).parts
         scene = parts[1]
         if len(parts) > 2 and f"scripts/scenes/{scene.replace('-', '_')}.py" not in self.files:
-            self.fault(page, link, f"there is no scene {scene}")
+            self.fault(page, link, f"unknown scene {scene}")
         elif (self.root / "out" / scene / "scene.json").exists() and not (self.root / name).exists():
-            self.fault(page, link, f"./play {scene} has not made it")
+            self.fault(page, link, f"file not written by ./play {scene}")
         return (self.root / name).is_file() and not name.endswith(".html")
 
     def relinked(self, page, body):

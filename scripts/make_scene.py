@@ -54,7 +54,7 @@ class Scene:
         reported."""
         samples = numpy.asarray(samples, dtype=numpy.float32)
         if not numpy.isfinite(samples).all() or abs(samples).max(initial=0) > 1:
-            raise ValueError(f"{name}: a sound must be finite and within -1..1")
+            raise ValueError(f"{name}: expected a sound of finite samples in -1..1")
         scipy.io.wavfile.write(self.folder / f"{name}.wav", int(rate), samples)
         for fault in sound_check.faults(samples, rate):
             self.page["faults"].append(f"{name}.wav: {fault}")
@@ -77,7 +77,7 @@ class Scene:
     def file(self, name, caption=""):
         """A file that the scene has put into scene.folder, offered as a link."""
         if not (self.folder / name).is_file():
-            raise ValueError(f"no file {name}")
+            raise ValueError(f"{name}: file not found in the scene's folder")
         self._add("file", file=name, caption=caption or name)
 
     def table(self, header, rows, caption=""):

@@ -60,7 +60,7 @@ class Work:
 
     def note(self, what, began, processor_seconds):
         self.times.append(f"{what}\t{began - self.begun:.1f}\t{time.time() - began:.1f}\t{processor_seconds:.1f}")
-        (OUT / "times.tsv").write_text("what\tbegan, s\ttook, s\tprocessor, s\n" + "\n".join(self.times) + "\n")
+        (OUT / "times.tsv").write_text("step\tbegan, s\ttook, s\tprocessor, s\n" + "\n".join(self.times) + "\n")
 
     def write_page(self):
         report.write(OUT, coming=[*self.waiting, *self.running], failed=self.failed)
@@ -79,7 +79,7 @@ class Work:
             tenth = 10 * int(step[1]) // int(step[2]) if step and int(step[2]) >= 10 else 0
             if tenth > shown:
                 shown = tenth
-                self.say(f"  built {10 * tenth} % of what {name} needs")
+                self.say(f"  built {10 * tenth} % of the targets of {name}")
         log.close()
         status, seconds = wait(process)
         if status == 0:
@@ -103,7 +103,7 @@ class Work:
                     print(trouble, file=sys.stderr)
                     self.waiting.remove(name)
                     self.failed.append(name)
-                    self.say(f"{name}: what it needs cannot be built")
+                    self.say(f"{name}: its targets cannot be built")
                     self.write_page()
                 else:
                     built.update(wanted)
@@ -167,7 +167,7 @@ def main():
     parser.add_argument("--all", action="store_true", help="also the scenes that take minutes each")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--begun", type=float, default=time.time(), help="when ./play was called: seconds since 1970")
-    parser.add_argument("--installer", type=int, help="the process, a child of this one, that installs what scenes run")
+    parser.add_argument("--installer", type=int, help="process id of a child that installs the packages of the scenes")
     arguments = parser.parse_args()
     names = arguments.names or [n for n in contents.names() if arguments.all or not contents.is_long(n)]
     OUT.mkdir(exist_ok=True)
@@ -186,7 +186,7 @@ def main():
     if work.failed:
         print(f"./play: these scenes failed: {' '.join(work.failed)}", file=sys.stderr)
     else:
-        work.say(f"Listen and look: {OUT / 'index.html'}")
+        work.say(f"All sounds and pictures: {OUT / 'index.html'}")
     return 1 if work.failed or work.faults else 0
 
 
@@ -194,4 +194,4 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except KeyboardInterrupt:
-        sys.exit("./play: interrupted; the page has what was made")
+        sys.exit("./play: interrupted; the page has the finished scenes")

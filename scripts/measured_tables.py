@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tables of the docs that programs write, and whether they still hold.
+"""Writes and checks the tables of the docs that programs print.
 
     scripts/measured_tables.py write [--build build] [FILE...]
     scripts/measured_tables.py check [--build build] [FILE...]
@@ -176,7 +176,7 @@ def staleness(lines):
     """(Line, what is wrong or None, commits to the inputs since) of each table."""
     for begin, stamp in stamps_of(lines):
         if stamp is None:
-            yield begin + 1, "the table does not say of which inputs it is", 0
+            yield begin + 1, "the table has no line of its inputs", 0
             continue
         commit, paths = STAMP.fullmatch(lines[stamp]).groups()
         paths = re.findall("`([^`]+)`", paths)
@@ -185,7 +185,7 @@ def staleness(lines):
         if missing:
             yield stamp + 1, f"the input {missing[0]} does not exist", 0
         elif since is None:
-            yield stamp + 1, f"no commit {commit} in this checkout", 0
+            yield stamp + 1, f"no commit {commit} in this checkout; expected a commit of its history", 0
         else:
             yield stamp + 1, None, int(since)
 
@@ -205,8 +205,8 @@ def print_stale(pages):
         for line, fault, since in staleness(path.read_text().split("\n")):
             tables, stale, wrong = tables + 1, stale + (since > 0), wrong + (fault is not None)
             if fault or since:
-                print(f"{path.relative_to(ROOT)}:{line}: {fault or f'{since} commits to its inputs since'}")
-    print(f"{tables} tables, {stale} of older inputs")
+                print(f"{path.relative_to(ROOT)}:{line}: {fault or f'{since} later commits change its inputs'}")
+    print(f"{tables} tables, {stale} measured with older inputs")
     return wrong
 
 

@@ -19,10 +19,10 @@ STYLE = (pathlib.Path(__file__).parent / "page.css").read_text()
 ROOT = "../"  # of the page, which is out/index.html
 INTRODUCTION = (
     "tactus is a collection of physical models for Pure Data that you can hear and feel: reeds and lips on a bore, "
-    "feet on fifteen surfaces, solid bodies by finite elements, particles, strings and membranes. You play them "
+    "footsteps on fifteen surfaces, solid bodies by finite elements, particles, strings and membranes. You play them "
     "from a patch, feel them with a haptic device, or render them without a screen. These objects and patches "
     "rendered every sound on this page; nothing was recorded. Begin with the sounds below, then choose a scene.")
-LINKS = (("README.md", "README"), ("docs/install.md", "Installing"), ("docs/architecture.md", "How it is made"),
+LINKS = (("README.md", "README"), ("docs/install.md", "Installing"), ("docs/architecture.md", "Architecture"),
          ("docs/reference/", "Reference of the objects"), ("patches/README.md", "Patches to play"),
          ("CHANGELOG.md", "Changes"))
 DOCS = {"greed": "greed.md", "fanfare": "greed.md", "reed": "results/reed_piece.md", "map": "guidance.md",
@@ -105,7 +105,7 @@ def scene_section(scene):
 
 
 def to_come(name, failed):
-    state = "could not be made: the terminal says why" if name in failed else "still to come: load this page again"
+    state = "could not be made: the terminal shows the reason" if name in failed else "still to come: load this page again"
     return f"<section id=\"{say(name)}\" class=coming><h3>{say(capital(contents.title(name)))}</h3><p>{state}</p></section>"
 
 
@@ -118,7 +118,7 @@ def highlights(scenes, coming):
                 found.append(player(say(f"{name}/{p['file']}"), words, p["seconds"]))
         if not parts and name in coming:
             found.append(f"<div class=\"sound coming\">{say(words)}: still to come</div>")
-    return f"<section id=first><h2>Hear first</h2>{''.join(found)}</section>" if found else ""
+    return f"<section id=first><h2>Listen first</h2>{''.join(found)}</section>" if found else ""
 
 
 def sections(shown):
@@ -134,7 +134,7 @@ def page(scenes, coming=(), failed=()):
     made = {name: scene for name, scene in scenes.items() if name not in (*coming, *failed)}
     parts = sections({*made, *coming, *failed})
     best = highlights(made, coming)
-    links = ("<a href=\"#first\"><b>Hear first</b></a>" if best else "") + "".join(
+    links = ("<a href=\"#first\"><b>Listen first</b></a>" if best else "") + "".join(
         f"<div><b>{say(heading)}</b>" + "".join(
             f"<a href=\"#{say(n)}\"{'' if n in made else ' class=coming'}>{say(n)}</a>" for n in names)
         + "</div>" for heading, names in parts)

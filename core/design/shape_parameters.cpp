@@ -33,8 +33,8 @@ std::string control_point_refusal(std::span<const DesignParameter> parameters, s
   const auto index = static_cast<std::size_t>(number);
   if (std::none_of(parameters.begin(), parameters.end(),
                    [index](const DesignParameter& p) { return p.control_point == index; }))
-    return named + " has no parameters in this table: expected control point " +
-           std::to_string(parameters.front().control_point) + " or another that can move";
+    return named + " is fixed in this table: expected control point " +
+           std::to_string(parameters.front().control_point) + " or another movable one";
   return {};
 }
 

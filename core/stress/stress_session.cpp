@@ -31,7 +31,7 @@ void StressSession::attach(std::unique_ptr<Reanalysis> reanalysis) {
 }
 
 void StressSession::refuse(const std::string& reason) {
-  refusal_ = "resolve: " + reason + "; the last stress stays";
+  refusal_ = "resolve: " + reason + "; the last stress is kept";
   failed_ = true;
 }
 
@@ -42,11 +42,13 @@ void StressSession::take_solution() {
     return;
   result_.solving = false;
   if (solved->lost) {
-    refusal_ = "resolve: " + solved->refusal + "; Taylor's series goes on until load or solver";
+    refusal_ =
+        "resolve: " + solved->refusal + "; the Taylor series continues until 'load' or 'solver'";
     return attach(nullptr);
   }
   if (solved->refusal.empty())
-    solved->refusal = solved->base ? check_base(model_.table(), *solved->base) : "no solution came";
+    solved->refusal = solved->base ? check_base(model_.table(), *solved->base)
+                                   : "the solver returned no solution";
   if (!solved->refusal.empty())
     return refuse(solved->refusal);
   const Feedback series = model_.update(solved->base->displacement_m);
@@ -69,9 +71,9 @@ void StressSession::take_solution() {
   const double trust_m = model_.table().trust_m;
   if (const double distance = model_.distance_m(requested_m_, solution->displacement_m);
       distance > kReached * trust_m) {
-    refusal_ = "resolve: elements would turn inside out before this shape: the stress is solved " +
+    refusal_ = "resolve: elements would be inverted at this shape: the stress is solved " +
                number_text(1e3 * distance) +
-               " mm before it, and Taylor's series goes on from there";
+               " mm short of it, and the Taylor series continues from there";
     failed_ = true;
   }
 }

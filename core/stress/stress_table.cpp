@@ -20,11 +20,11 @@ std::string check_base(const StressTable& table, const StressBase& base) {
   };
   if (base.displacement_m.size() != parameters || !fits(base.von_mises, true) ||
       !fits(base.max_shear, table.has_shear()))
-    return "the re-solved stress has another size: expected " + std::to_string(elements) +
+    return "the re-solved stress has the wrong size: expected " + std::to_string(elements) +
            " elements and " + std::to_string(parameters) + " parameters";
   for (const StressField* field : {&base.von_mises, &base.max_shear}) {
     if (!is_finite(field->sensitivity))
-      return "the re-solved stress holds numbers that are not finite";
+      return "the re-solved stress: not a finite number";
     if (!std::all_of(field->stress.begin(), field->stress.end(),
                      [](float s) { return s >= 0 && s <= kMaxStress_pa; }))
       return "the re-solved stress holds values outside 0..1e+15 Pa";

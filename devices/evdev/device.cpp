@@ -52,15 +52,15 @@ std::string Device::configure(std::span<const std::string> words) {
     settings_.reverse = value == 1;
   else if (words.size() == 2 &&
            (name == "reach" || name == "peak" || name == "wheel" || name == "reverse"))
-    return "evdev: " + name + " " + words[1] + " is not possible: expected " +
-           (name == "reach"   ? "1 to 1000 mm"
-            : name == "peak"  ? "0.1 to 40 N"
+    return "evdev: " + name + " " + words[1] + ": expected " +
+           (name == "reach"   ? "1..1000 mm"
+            : name == "peak"  ? "0.1..40 N"
             : name == "wheel" ? "0, 1 or auto"
                               : "0 or 1");
   else
-    return "evdev: " + name +
-           " is not understood; there are: device INDEX, /dev/input/eventN or SERIAL, reach MM "
-           "(1..1000), peak N (0.1..40), wheel 0|1|auto, reverse 0|1";
+    return "evdev: setting " + name +
+           ": expected device INDEX, /dev/input/eventN or SERIAL, reach MM (1..1000), peak N "
+           "(0.1..40), wheel 0|1|auto or reverse 0|1";
   return {};
 }
 
@@ -73,8 +73,7 @@ std::string Device::open() {
   const std::vector<Joystick> all = joysticks();
   if (all.empty())
     return "evdev: no joystick or wheel with constant-force feedback is plugged in: check its "
-           "cable "
-           "and, for a wheel, its power supply";
+           "cable and, for a wheel, its power supply";
   const std::string& requested = active_settings_.device;
   auto found = all.begin();
   if (!requested.empty()) {
@@ -86,8 +85,8 @@ std::string Device::open() {
       found = all.begin() + static_cast<std::ptrdiff_t>(*index);
   }
   if (found == all.end())
-    return "evdev: no device " + requested + "; there are " + std::to_string(all.size()) +
-           ", the first is 0, " + all.front().node + ", " + all.front().name;
+    return "evdev: device " + requested + ": not found among " + std::to_string(all.size()) +
+           " devices; the first is device 0, " + all.front().node + ", " + all.front().name;
   identity_ = {"", found->name, found->serial};
   std::string sentence = open_node(found->node);
   if (!sentence.empty())
@@ -102,10 +101,11 @@ std::string Device::open_node(const std::string& node) {
   effect_.replay.length = kLength_ms;
   file_ = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0)
-    return "evdev: " + node + " does not open (" + std::strerror(errno) +
+    return "evdev: " + node + " cannot be opened (" + std::strerror(errno) +
            "): " + (errno == EACCES ? permission_advice() : "plug the device in again");
   if (!read_axes())
-    return "evdev: " + node + " has no axis X: it is no joystick or wheel; choose another device";
+    return "evdev: " + node +
+           " has no axis X: it is not a joystick or wheel; choose another device";
   read_buttons();
   state_ = {};
   query_all();
@@ -122,10 +122,10 @@ std::string Device::open_node(const std::string& node) {
   }
   two_axes_ = axes_[1].half > 0 && !active_settings_.wheel.value_or(looks_like_wheel());
   if (!upload(constant_force({}, active_settings_.peak_n, two_axes_)))
-    return "evdev: " + node + " takes no force (" + std::strerror(force_error_) +
-           "): end other programs that use it, then open it again";
+    return "evdev: " + node + " refuses a force (" + std::strerror(force_error_) +
+           "): close other programs that use it, then open it again";
   if (!start())
-    return "evdev: " + node + " does not start a force (" + std::strerror(force_error_) +
+    return "evdev: " + node + " cannot start a force (" + std::strerror(force_error_) +
            "): plug the device in again";
   caps_ = {};
   caps_.axes_in = axes_[2].half > 0 ? 3 : axes_[1].half > 0 ? 2 : 1;
@@ -141,7 +141,7 @@ std::string Device::open_node(const std::string& node) {
   try {
     sender_ = std::thread([this] { send_forces(); });
   } catch (const std::system_error&) {
-    return "evdev: no thread can be started for the device: close other programs";
+    return "evdev: cannot start a thread for the device: close other programs";
   }
   return {};
 }
@@ -306,13 +306,13 @@ void Device::send_forces() noexcept {
 
 std::string Device::trouble() const {
   if (read_error_ == ENODEV || force_error_ == ENODEV)
-    return "evdev: the device is gone: plug it in and open it again";
+    return "evdev: the device was unplugged: plug it in and open it again";
   if (const int error = read_error_)
     return std::string("evdev: the device cannot be read (") + std::strerror(error) +
            "): plug it in again and open it";
   if (const int error = force_error_)
-    return std::string("evdev: the device takes no force (") + std::strerror(error) +
-           "): end other programs that use it, and for a wheel check its power supply";
+    return std::string("evdev: the device refuses a force (") + std::strerror(error) +
+           "): close other programs that use it, and for a wheel check its power supply";
   return {};
 }
 

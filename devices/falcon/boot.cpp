@@ -22,8 +22,8 @@ constexpr double kMaxBoot_s = 20; // all tries together
 enum class Step { kDone, kFailed, kGone };
 
 Step gone(const Link& link, std::string& problem) {
-  problem = link.cancelled() ? "the opening of the Falcon was cancelled: open it again"
-                             : "the Falcon left the bus while it was set up: plug it in again";
+  problem = link.cancelled() ? "opening the Falcon was cancelled: open it again"
+                             : "the Falcon was disconnected during set-up: plug it in again";
   return Step::kGone;
 }
 
@@ -49,7 +49,7 @@ Step greet(Link& link, std::string& problem) {
     }
   }
   problem = "the Falcon's boot loader did not answer " + std::to_string(kRestarts * kGreetings) +
-            " greetings: unplug its power and USB for ten seconds, and try another port or a hub "
+            " requests: unplug its power and USB for ten seconds, then try another port or a hub "
             "with its own power";
   return Step::kFailed;
 }
@@ -72,7 +72,7 @@ Step begin_upload(Link& link, std::string& problem) {
     return gone(link, problem);
   if (answer.size() == 1 && answer[0] == kBeginDownload[0])
     return Step::kDone;
-  problem = "the Falcon's boot loader did not take the firmware's speed";
+  problem = "the Falcon's boot loader did not accept the upload speed";
   return Step::kFailed;
 }
 
@@ -83,7 +83,7 @@ Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::stri
     if (!link.send(piece) || !link.receive(echo, piece.size(), kEcho_s))
       return gone(link, problem);
     if (!std::equal(echo.begin(), echo.end(), piece.begin(), piece.end())) {
-      problem = "the Falcon echoed the firmware wrongly near byte " + std::to_string(at);
+      problem = "the Falcon returned wrong firmware data near byte " + std::to_string(at);
       return Step::kFailed;
     }
   }
@@ -135,11 +135,11 @@ std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
       gone(link, problem);
       return problem;
     }
-    problem = "the Falcon took the firmware but does not run it: is it the right file?";
+    problem = "the Falcon loaded the firmware but does not run it: check that it is the right file";
   }
   return problem + " (" + std::to_string(attempt) +
-         " tries): unplug its power and USB for ten seconds, and try another port or a hub with "
-         "its own power";
+         " attempts): unplug its power and USB for ten seconds, then try another port or a hub "
+         "with its own power";
 }
 
 } // namespace tactus::devices::falcon

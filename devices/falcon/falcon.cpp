@@ -19,7 +19,7 @@ namespace {
 constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
 
 constexpr std::size_t kMaxFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
-const char* const kCancelled = "the opening of the Falcon was cancelled: open it again";
+const char* const kCancelled = "opening the Falcon was cancelled: open it again";
 constexpr double kFirstAnswer_s = 1.0;
 constexpr double kSilent_s = 0.005;    // longest time without an answer, or three ticks if longer
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
@@ -65,7 +65,7 @@ std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& by
   bytes.assign(std::istreambuf_iterator<char>(in), {});
   if (bytes.empty() || bytes.size() > kMaxFirmware)
     return "the firmware file " + file + " has " + std::to_string(bytes.size()) +
-           " bytes; expected 1 to " + std::to_string(kMaxFirmware);
+           " bytes: expected 1.." + std::to_string(kMaxFirmware);
   return {};
 }
 
@@ -115,8 +115,8 @@ std::string Falcon::boot(const Settings& settings) {
   if (cancelled_)
     return kCancelled;
   if (settings.firmware.empty())
-    return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
-           "software (tactus may not ship it; docs/devices/falcon.md)";
+    return "the Falcon has no firmware: send firmware FILE with the file from the manufacturer's "
+           "software (tactus may not include it; docs/devices/falcon.md)";
   std::vector<std::uint8_t> firmware;
   std::string problem = read_firmware(settings.firmware, firmware);
   if (problem.empty())
@@ -314,23 +314,23 @@ haptic::Identity Falcon::identity() const {
 std::string Falcon::trouble() const {
   switch (condition_.load(std::memory_order_relaxed)) {
   case Condition::kLost:
-    return "the Falcon has left the bus: plug it in and open it again";
+    return "the Falcon was unplugged: plug it in and open it again";
   case Condition::kSilent:
     return "the Falcon does not answer: check its power, then close and open it";
   case Condition::kUnreachable:
-    return "the Falcon reports angles that its arms cannot have: home it; if they stay, close and "
+    return "the Falcon reports impossible arm angles: home it; if that does not help, close and "
            "open it, which loads the firmware again";
   case Condition::kAtStop:
-    return "the Falcon has no force: its encoders stand still near a stop; pull the grip to the "
-           "centre, and if that changes nothing, close and open it, which loads the firmware again";
+    return "the Falcon's force is off: its encoders do not change near a stop; pull the grip to "
+           "the centre; if that does not help, close and open it, which loads the firmware again";
   case Condition::kFrozen:
-    return "the Falcon's encoders stand still under force: close and open it, which loads the "
+    return "the Falcon's encoders do not change under force: close and open it, which loads the "
            "firmware again";
   case Condition::kHoming:
     return moved_
                ? "the Falcon is not homed: pull the grip out as far as it goes, then push it in"
                : "the Falcon is not homed: pull the grip out as far as it goes, then push it in; "
-                 "if it stays so, close and open it, which loads the firmware again";
+                 "if that does not help, close and open it, which loads the firmware again";
   case Condition::kClosed:
   case Condition::kOk:
     break;

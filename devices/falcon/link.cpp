@@ -34,10 +34,10 @@ std::string why_not_opened(UsbLibrary& usb, int error) {
   if (error == LIBUSB_ERROR_ACCESS)
     return "no permission: install tactus's udev rules and plug the device in again";
   if (error == LIBUSB_ERROR_BUSY)
-    return "another program has it: close that program";
+    return "another program uses it: close that program";
   if (error == LIBUSB_ERROR_NO_DEVICE || error == LIBUSB_ERROR_NOT_FOUND)
-    return "it has gone: plug it in again";
-  return std::string("libusb says ") + usb.error_name(error);
+    return "it was unplugged: plug it in again";
+  return std::string("libusb reports ") + usb.error_name(error);
 }
 
 // Calls visit(device, descriptor) for each Falcon until it says true.
@@ -99,7 +99,7 @@ std::string Link::open(const std::string& which, const IsOpen& is_open) {
   close();
   if (usb_->init(&context_) != 0) {
     context_ = nullptr;
-    return "libusb does not start: is /dev/bus/usb there?";
+    return "libusb cannot start: check that /dev/bus/usb exists";
   }
   int index = -1;
   std::string problem;
@@ -108,7 +108,7 @@ std::string Link::open(const std::string& which, const IsOpen& is_open) {
     const std::string path = path_of(*usb_, device);
     const bool named = which == std::to_string(index) || which == path;
     if (is_open(path)) {
-      problem = "the Falcon at " + path + " is open in this program already: close it there";
+      problem = "the Falcon at " + path + " is already open in this program: close it there";
       return named;
     }
     libusb_device_handle* handle = nullptr;
@@ -131,14 +131,14 @@ std::string Link::open(const std::string& which, const IsOpen& is_open) {
     close();
     if (!problem.empty())
       return problem;
-    return index < 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
-                     : "no Falcon is called " + which + ": send devices for a list";
+    return index < 0 ? "no Falcon (USB 0403:cb48) is plugged in: check its cable and power"
+                     : "Falcon " + which + ": not found; send devices for a list";
   }
   usb_->set_auto_detach_kernel_driver(handle_, 1);
   const int error = usb_->claim_interface(handle_, 0);
   if (error != 0) {
     close();
-    return "the Falcon cannot be claimed: " + why_not_opened(*usb_, error);
+    return "cannot claim the Falcon's USB interface: " + why_not_opened(*usb_, error);
   }
   claimed_ = true;
   return {};

@@ -65,7 +65,7 @@ std::string Falcon::configure(std::span<const std::string> words) {
   if (name == "led") {
     const auto lights = lights_of(values);
     if (!lights)
-      return "falcon: led takes auto, off, or colours of red, green and blue";
+      return "falcon: led: expected auto, off, or any of red, green and blue";
     lights_ = *lights;
     return {};
   }
@@ -73,14 +73,14 @@ std::string Falcon::configure(std::span<const std::string> words) {
     const auto gain = to_number(values[0], kMinGain, kMaxGain);
     if (!gain)
       return "falcon: gain " + values[0] +
-             " is not possible: expected 1000 to 100000 motor counts per "
-             "N m (10000 unless you have measured another)";
+             ": expected 1000..100000 motor counts per N m (10000 unless you have measured "
+             "another)";
     counts_per_n_m_ = *gain;
     return {};
   }
-  return "falcon: " + (name.empty() ? std::string("a setting") : name) +
-         " is not understood: expected device WHICH, firmware FILE, reload, probe 0|1, home, "
-         "led COLOUR, or gain COUNTS";
+  return "falcon: setting " + (name.empty() ? std::string("nothing") : name) +
+         ": expected device WHICH, firmware FILE, reload, probe 0|1, home, led COLOUR or gain "
+         "COUNTS";
 }
 
 } // namespace tactus::devices::falcon

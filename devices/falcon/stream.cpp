@@ -11,7 +11,7 @@ namespace tactus::devices::falcon {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-const char* const kNoMemory = "there is no memory for the Falcon's transfers: close other programs";
+const char* const kNoMemory = "not enough memory for the Falcon's transfers: close other programs";
 constexpr unsigned kOut_ms = 200;
 constexpr int kMaxFailures = 50; // consecutive failures after which the connection counts as lost
 constexpr int kMaxUnanswered = 2;
@@ -55,7 +55,7 @@ std::string Stream::start() {
     handler_ = std::thread([this] { handle_events(); });
     sender_ = std::thread([this] { send_commands(); });
   } catch (const std::system_error&) {
-    return "no thread can be started for the Falcon: close other programs";
+    return "cannot start a thread for the Falcon: close other programs";
   }
   return {};
 }

@@ -36,7 +36,7 @@ public:
   [[nodiscard]] std::string start() {
     Stage none = Stage::kNone;
     if (!shared_->stage.compare_exchange_strong(none, Stage::kAsked))
-      return "the device is being initialised already";
+      return "the device is already being initialised";
     shared_->over = false;
     shared_->failed = false;
     std::string reason = thread_.start(std::make_shared<Work>(shared_));

@@ -31,8 +31,8 @@ const char* meaning(int cause) noexcept {
     return "the handle moved too fast and the device switched its motors off: hold it, then send "
            "motors 1";
   case kWatchdog:
-    return "the device heard nothing for 30 ms and switched its motors off: send motors 1; if it "
-           "happens again, the computer is too busy";
+    return "the device received nothing for 30 ms and switched its motors off: send motors 1; if "
+           "it happens again, the computer is too busy";
   case kUnplugged:
     return "the cable was unplugged: plug it in and open the device again";
   case kDeadMan:
@@ -55,11 +55,11 @@ std::string Device::configure(std::span<const std::string> words) {
     return {};
   }
   if (words.empty() || words[0] != "device")
-    return "dhd: " + (words.empty() ? std::string("nothing") : words[0]) +
-           " is not a setting; there are: device INDEX or SERIAL, and home";
+    return "dhd: setting " + (words.empty() ? std::string("nothing") : words[0]) +
+           ": expected device INDEX or SERIAL, or home";
   const int which = words.size() == 2 ? to_number<int>(words[1]).value_or(-1) : -1;
   if (which < 0)
-    return "dhd: device takes a number, an index from 0 or a serial number; ask devices for them";
+    return "dhd: device: expected an index from 0 or a serial number; send devices for a list";
   const std::lock_guard lock(settings_mutex_);
   requested_ = which;
   return {};
@@ -77,19 +77,19 @@ std::string Device::open_with_retries(int requested) {
     for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kPoll_ms)
       std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
     if (cancelled_)
-      return "dhd: the opening was cancelled: open the device again";
+      return "dhd: opening was cancelled: open the device again";
     id_ = open_requested(requested);
     if (id_ >= 0 && is_open("dhd", std::to_string(id_))) {
       id_ = -1; // it belongs to another object, which keeps it
-      return "dhd: the device is open in this program already: close it there";
+      return "dhd: the device is already open in this program: close it there";
     }
     if (id_ >= 0)
       return {};
   }
   const char* reason = library_.last_error();
-  return "dhd: device " + std::to_string(requested) + " does not open (" +
-         (reason ? reason : "no reason") + "; " + std::to_string(count) +
-         " there): check cable and power, that no other program uses "
+  return "dhd: device " + std::to_string(requested) + " cannot be opened (" +
+         (reason ? reason : "unknown error") + "; " + std::to_string(count) +
+         " connected): check its cable and power, that no other program uses "
          "it, and that your account may use USB devices (70-tactus.rules)";
 }
 
@@ -340,13 +340,13 @@ std::string Device::trouble() const {
     return "dhd: the device reports a fault: switch it off and on and open it again";
   const std::lock_guard lock(settings_mutex_);
   if (has_auto_init_ && auto_init_.failed())
-    return std::string("dhd: the device did not initialise itself (") + auto_init_.why() +
-           "): free its way and send home again";
+    return std::string("dhd: the device could not initialise itself (") + auto_init_.why() +
+           "): remove what blocks the arm and send home again";
   if (needs_reset_ && has_auto_init_)
-    return "dhd: the device is not initialised: let go of it and send home; its motors will lead "
+    return "dhd: the device is not initialised: let go of it and send home; its motors will move "
            "it";
   if (needs_reset_)
-    return "dhd: the device is not calibrated: put the calibration pole into its pit until the "
+    return "dhd: the device is not calibrated: put the calibration pole into its hole until the "
            "light stops blinking";
   if (const int cause = force_off_cause_; cause != kNoCause)
     return std::string("dhd: ") + meaning(cause);

@@ -24,15 +24,15 @@ std::string DhdLibrary::load() {
   const std::vector<const char*> names = file_names();
   if (!library_.load(names)) {
     return "Force Dimension's library " +
-           (library_.found() ? std::string("does not load (")
-                             : "is not here (tried " + SharedLibrary::joined(names) + ": ") +
+           (library_.found() ? std::string("cannot be loaded (")
+                             : "was not found (tried " + SharedLibrary::joined(names) + ": ") +
            library_.error() +
-           "); get the SDK from www.forcedimension.com/software/sdk and put its libdhd where the "
+           "): get the SDK from www.forcedimension.com/software/sdk and put its libdhd where the "
            "system finds libraries, or set TACTUS_LIBDHD to its path";
   }
   if (const char* missing = library_.missing()) {
     return library_.name() + " has no function " + missing +
-           "; it is not version 3 of Force Dimension's SDK: install that, or "
+           ": install version 3 of Force Dimension's SDK, or "
            "set TACTUS_LIBDHD to the path of its libdhd";
   }
   if (robot_open_id && robot_close) {

@@ -26,7 +26,7 @@ public:
     try {
       thread_ = std::thread([this, end_force, context] { watch(end_force, context); });
     } catch (const std::system_error&) {
-      return "no thread can be started for the device: close other programs";
+      return "cannot start a thread for the device: close other programs";
     }
     return {};
   }

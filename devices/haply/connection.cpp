@@ -48,7 +48,7 @@ std::string Connection::open(const Settings& settings) {
   try {
     thread_ = std::thread([this] { serve(); });
   } catch (const std::system_error&) {
-    return "no thread can be started for the connection: close other programs";
+    return "cannot start a thread for the connection: close other programs";
   }
   std::string sentence;
   {
@@ -59,7 +59,7 @@ std::string Connection::open(const Settings& settings) {
       changed_.wait_for(lock, Seconds(kPoll_s));
     if (phase_ == Phase::kRunning)
       return {};
-    sentence = cancelled_         ? "the opening was cancelled: open the device again"
+    sentence = cancelled_         ? "opening was cancelled: open the device again"
                : trouble_.empty() ? "Haply's service on " + settings_.address.host + ":" +
                                         settings_.address.port + " does not answer"
                                   : trouble_;
@@ -124,7 +124,7 @@ void Connection::run_connection() {
       }
     } else {
       failure = "Haply's service does not answer on " + endpoint + " (" + failure +
-                "): start Haply Hub, or systemctl start haply-inverse-service";
+                "): start Haply Hub, or run systemctl start haply-inverse-service";
     }
     if (stop_ || leaving_)
       break;
@@ -141,7 +141,7 @@ void Connection::run_connection() {
 std::string Connection::choose(const Message& inventory) {
   const auto& devices = inventory.devices;
   if (devices.empty())
-    return "Haply's service runs but sees no Inverse3: check the device's cable and power";
+    return "Haply's service runs but finds no Inverse3: check the device's cable and power";
   std::size_t index = 0;
   if (!settings_.device.empty()) {
     const auto by_id = std::find_if(devices.begin(), devices.end(), [this](const DeviceState& one) {
@@ -151,8 +151,8 @@ std::string Connection::choose(const Message& inventory) {
                 ? static_cast<std::size_t>(by_id - devices.begin())
                 : to_number<std::size_t>(settings_.device).value_or(devices.size());
     if (index >= devices.size())
-      return "Haply's service has no device " + settings_.device + "; the first it has is " +
-             devices.front().id + ": say device 0, or its device_id";
+      return "device " + settings_.device + ": not found by Haply's service; its first device is " +
+             devices.front().id + ": send device 0, or its device_id";
   }
   device_id_ = devices[index].id;
   const std::lock_guard lock(mutex_);
@@ -233,14 +233,14 @@ std::string Connection::run_session(Socket& socket) {
     return "Haply's service sent no list of devices (" + failure + "): restart it";
   const auto inventory = parse(text);
   if (!inventory)
-    return "what listens on port " + settings_.address.port +
-           " is not Haply's service: it does not speak JSON; say service HOST PORT";
+    return "the program on port " + settings_.address.port +
+           " is not Haply's service: it does not send JSON; send service HOST PORT";
   if (std::string sentence = choose(*inventory); !sentence.empty())
     return sentence;
   workspace_ = mount_ = {};
   static_cast<void>(take(*inventory)); // later states omit unchanged fields
   if (std::string failure = set_up(socket); !failure.empty())
-    return "Haply's service went away (" + failure + "): it is looked for again";
+    return "lost Haply's service (" + failure + "): trying to reconnect";
   const ForceKey key = is_centred_ ? ForceKey::kVector : ForceKey::kBoth;
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / settings_.rate_hz));
   auto next = Clock::now();
@@ -253,11 +253,11 @@ std::string Connection::run_session(Socket& socket) {
     if (last)
       return {};
     if (!failure.empty())
-      return "Haply's service went away (" + failure + "): it is looked for again";
+      return "lost Haply's service (" + failure + "): trying to reconnect";
     const auto message = parse(text);
     garbage = message ? 0 : garbage + 1;
     if (garbage >= kMaxBadMessages)
-      return "Haply's service sends no JSON any more: restart it";
+      return "Haply's service has stopped sending JSON: restart it";
     if (message && take(*message)) { // if unplugged, the sample ages and the servo reports it
       if (!reported)
         set_trouble(Phase::kRunning, "");

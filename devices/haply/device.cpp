@@ -41,19 +41,19 @@ std::string Device::configure(std::span<const std::string> words) {
   } else if (name == "service" && words.size() == 3) {
     const auto port = to_number(words[2], 1, 65535);
     if (!port)
-      return "haply: the port " + words[2] + " is no whole number from 1 to 65535";
+      return "haply: port " + words[2] + ": expected 1..65535";
     settings_.address = {words[1], std::to_string(*port)};
   } else if (name == "rate" && value >= 50 && value <= 4000) {
     settings_.rate_hz = value;
   } else if (name == "peak" && value >= 0.1 && value <= 20) {
     peak_n_ = value;
   } else if (words.size() == 2 && (name == "rate" || name == "peak")) {
-    return "haply: " + name + " " + words[1] + " is not possible: expected " +
-           (name == "rate" ? "50 to 4000 Hz" : "0.1 to 20 N");
+    return "haply: " + name + " " + words[1] + ": expected " +
+           (name == "rate" ? "50..4000 Hz" : "0.1..20 N");
   } else {
-    return "haply: " + name +
-           " is not understood; there are: device INDEX or ID, service HOST PORT, rate HZ "
-           "(50..4000), peak N (0.1..20)";
+    return "haply: setting " + name +
+           ": expected device INDEX or ID, service HOST PORT, rate HZ (50..4000) or peak N "
+           "(0.1..20)";
   }
   return {};
 }
@@ -107,7 +107,7 @@ std::string Device::trouble() const {
   if (const std::string sentence = connection_.trouble(); !sentence.empty())
     return "haply: " + sentence;
   return calibrated_ ? std::string()
-                     : "haply: the service does not say that the device is calibrated: put the "
+                     : "haply: the device is not calibrated: put the "
                        "handle into its rest until the light is steady";
 }
 

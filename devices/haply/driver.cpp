@@ -21,12 +21,12 @@ std::optional<haply::Message> inventory(std::string& failure) {
     failure = "Haply's service does not answer on " + address.host + ":" + address.port + " (" +
               failure +
               "): install Haply Hub or the inverse service from docs.haply.co, start it, "
-              "or say service HOST PORT";
+              "or send service HOST PORT";
     return {};
   }
   auto message = haply::parse(text);
   if (!message)
-    failure = "what listens on " + address.host + ":" + address.port + " is not Haply's service";
+    failure = "the program on " + address.host + ":" + address.port + " is not Haply's service";
   return message;
 }
 

@@ -41,7 +41,7 @@ std::string look_up(const std::string& host, const std::string& port, double tim
       lookup->done = true;
     }).detach();
   } catch (const std::system_error&) {
-    return "no thread can be started to look up " + host;
+    return "cannot start a thread to look up " + host;
   }
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(timeout_s));
@@ -49,7 +49,7 @@ std::string look_up(const std::string& host, const std::string& port, double tim
     if (stop)
       return "stopped";
     if (Clock::now() > deadline)
-      return "the name " + host + " is not found in time";
+      return "looking up the name " + host + " timed out";
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   addresses = lookup->addresses;
@@ -79,7 +79,7 @@ struct Socket::Parts {
     context.restart();
     while (!outcome && context.run_one() > 0) {
     }
-    return stop ? "stopped" : "no answer in time";
+    return stop ? "stopped" : "timed out";
   }
 
   const std::atomic<bool>& stop;

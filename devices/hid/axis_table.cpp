@@ -53,9 +53,9 @@ std::string AxisTable::read(std::string_view text) {
       read.axis = index_of(kSources, std::string_view(source).substr(read.sign < 0 ? 1 : 0));
     }
     if (row < 0 || !named || (source != "none" && read.axis < 0))
-      return "line " + std::to_string(number) + " of the axis table is not understood: expected " +
-             "x, y, z, rx, ry or rz, then X, Y, Z, Rx, Ry, Rz, Slider, Dial, Wheel (with - to turn "
-             "it round) or none";
+      return "line " + std::to_string(number) + " of the axis table: expected " +
+             "x, y, z, rx, ry or rz, then X, Y, Z, Rx, Ry, Rz, Slider, Dial or Wheel (with - to "
+             "reverse it) or none";
     fresh.rows[static_cast<std::size_t>(row)] = read;
   }
   *this = fresh;

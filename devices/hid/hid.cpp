@@ -35,7 +35,7 @@ std::string Hid::open() {
   device_ = library_->open_path(entry.path.c_str());
   if (!device_)
     return entry.identity.model + " at " + entry.path + " cannot be opened: " +
-           (entry.problem.empty() ? "close the program that has it, or plug it in again"
+           (entry.problem.empty() ? "close the program that uses it, or plug it in again"
                                   : entry.problem);
   problem = prepare(settings, entry);
   if (problem.empty()) {
@@ -43,7 +43,7 @@ std::string Hid::open() {
     try {
       reader_ = std::thread([this] { read_reports(); });
     } catch (const std::system_error&) {
-      problem = "no thread can be started for the device: close other programs";
+      problem = "cannot start a thread for the device: close other programs";
     }
   }
   if (!problem.empty())
@@ -66,7 +66,7 @@ std::string Hid::find(const Settings& settings, Entry& entry) {
   if (entries.empty())
     return "no six-axis controller, joystick or game pad is plugged in: check its cable or "
            "receiver";
-  return "no HID device is called " + which + ": send devices for a list, or give its path";
+  return "HID device " + which + ": not found; send devices for a list, or give its path";
 }
 
 std::string Hid::prepare(const Settings& settings, const Entry& entry) {
@@ -77,7 +77,7 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
   else if (description)
     decoder_ = Decoder::described(*description);
   else
-    return entry.identity.model + " does not say what its reports mean through this hidapi: "
+    return entry.identity.model + " has no report descriptor through this hidapi: "
                                   "install Debian's libhidapi-hidraw0";
   axes_ = decoder_.axes();
   step_ = decoder_.step();
@@ -193,7 +193,7 @@ haptic::Identity Hid::identity() const {
 
 std::string Hid::trouble() const {
   if (lost_)
-    return "the device has gone: plug it in, or switch it on, and open it again";
+    return "the device was disconnected: plug it in, or switch it on, and open it again";
   const int battery = battery_percent_;
   if (battery >= 0 && battery <= kLowBattery)
     return "the device's battery is at " + std::to_string(battery) + " %: charge it";

@@ -23,7 +23,7 @@ std::string HidLibrary::load(Transport transport) {
   if (const char* missing = library_.missing())
     return library_.name() + " has no " + missing + ": install hidapi 0.8 or newer";
   if (init() != 0)
-    return library_.name() + " does not start: is /dev there?";
+    return library_.name() + " cannot start: check that /dev exists";
   ready_ = true;
   return {};
 }

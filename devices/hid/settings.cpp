@@ -16,16 +16,16 @@ std::string Hid::configure(std::span<const std::string> words) {
     if (name == "speed" || name == "deadzone" || name == "led")
       return set_number(name, words[1]);
   }
-  const std::string name = words.empty() ? "a setting" : words[0];
-  return "hid: " + name +
-         " is not understood: expected device WHICH, mapping position|rate, speed MM_PER_S, "
-         "deadzone PERCENT, led 0|1, table FILE, or transport any|hidraw|libusb";
+  const std::string name = words.empty() ? "nothing" : words[0];
+  return "hid: setting " + name +
+         ": expected device WHICH, mapping position|rate, speed MM_PER_S, "
+         "deadzone PERCENT, led 0|1, table FILE or transport any|hidraw|libusb";
 }
 
 std::string Hid::set_name(const std::string& name, const std::string& value) {
   if (name == "mapping") {
     if (value != "position" && value != "rate")
-      return "hid: mapping " + value + " is not known: expected position or rate";
+      return "hid: mapping " + value + ": expected position or rate";
     rate_ = value == "rate";
     return {};
   }
@@ -37,7 +37,7 @@ std::string Hid::set_name(const std::string& name, const std::string& value) {
   else if (value == "libusb")
     settings_.transport = Transport::kLibusb;
   else
-    return "hid: transport " + value + " is not known: expected any, hidraw or libusb";
+    return "hid: transport " + value + ": expected any, hidraw or libusb";
   return {};
 }
 
@@ -45,9 +45,9 @@ std::string Hid::set_number(const std::string& name, const std::string& text) {
   const double most = name == "speed" ? 1000 : name == "deadzone" ? 90 : 1;
   const auto number = to_number(text, 0., most);
   if (!number || (name == "led" && *number != 0 && *number != 1))
-    return "hid: " + name + " " + text + " is not possible: expected " +
-           (name == "speed"      ? "0 to 1000 mm/s"
-            : name == "deadzone" ? "0 to 90 % of full deflection"
+    return "hid: " + name + " " + text + ": expected " +
+           (name == "speed"      ? "0..1000 mm/s"
+            : name == "deadzone" ? "0..90 % of full deflection"
                                  : "0 or 1");
   if (name == "speed")
     speed_m_per_s_ = *number * 1e-3;

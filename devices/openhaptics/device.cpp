@@ -30,9 +30,9 @@ int scheduler_users = 0;
 std::string meaning(Code error) {
   switch (error) {
   case kWarmMotors:
-    return "the motors are warm: let go and wait some minutes, then ask for less force";
+    return "the motors are warm: let go and wait some minutes, then use less force";
   case kTooMuchForce:
-    return "more force was asked for than the device can give: lower forcemax";
+    return "the force exceeds the device's peak force: lower forcemax";
   case kTooMuchImpulse:
     return "the force changed too fast and the device switched it off: lower slew";
   case kTooMuchVelocity:
@@ -43,15 +43,15 @@ std::string meaning(Code error) {
   case kDeviceFault:
     return "the device reports a fault: switch it off and on and open it again";
   case kAlreadyOpen:
-    return "another program uses the device: end that program and open it again";
+    return "another program uses the device: close that program and open it again";
   case kNoAnswer:
     return "the device does not answer: check its cable and power, then open it again";
   case kWrongPort:
-    return "the device is not where the vendor's set-up tool last saw it: run that tool again";
+    return "the device has moved to another port since the vendor's set-up tool ran: run it again";
   case kTimerError:
     return "the vendor's scheduler lost its timer: close and open the device";
   case kFrameError:
-    return "another program writes to the device at the same time: end it";
+    return "another program writes to the device at the same time: close it";
   case kNoLicence:
     return "the vendor's licence is missing or not valid: install it with the vendor's licence "
            "tool";
@@ -75,10 +75,10 @@ std::string Device::configure(std::span<const std::string> words) {
     return {};
   }
   if (words.empty() || words[0] != "device")
-    return "openhaptics: " + (words.empty() ? std::string("nothing") : words[0]) +
-           " is not a setting; there are: device NAME, as in the vendor's set-up tool, and home";
+    return "openhaptics: setting " + (words.empty() ? std::string("nothing") : words[0]) +
+           ": expected device NAME, as in the vendor's set-up tool, or home";
   if (words.size() < 2)
-    return "openhaptics: device takes the name that the vendor's set-up tool shows, such as "
+    return "openhaptics: device: expected the name that the vendor's set-up tool shows, such as "
            "Default Device";
   std::string name = words[1]; // names have blanks; a patch gives them as several words
   for (std::size_t i = 2; i < words.size(); ++i)
@@ -98,13 +98,13 @@ std::string Device::try_names(const std::string& requested) {
       std::this_thread::sleep_for(Milliseconds(kPoll_ms));
     for (const char* name : names) {
       if (cancelled_)
-        return "openhaptics: the opening was cancelled: open the device again";
+        return "openhaptics: opening was cancelled: open the device again";
       static_cast<void>(library_.take_errors());
       handle_ = library_.init_device(name);
       error = library_.take_errors();
       if (handle_ != kNoDevice && is_open("openhaptics", std::to_string(handle_))) {
         handle_ = kNoDevice; // it belongs to another object, which keeps it
-        return "openhaptics: the device is open in this program already: close it there";
+        return "openhaptics: the device is already open in this program: close it there";
       }
       if (handle_ != kNoDevice && error == kSuccess)
         return {};
@@ -118,11 +118,12 @@ std::string Device::try_names(const std::string& requested) {
   std::string tried;
   for (const char* name : names)
     tried += std::string(tried.empty() ? "" : ", ") + (name ? name : "no name");
-  return "openhaptics: no device opens under the name" +
+  return "openhaptics: cannot open a device of the name" +
          std::string(names.size() > 1 ? "s " : " ") + tried + ": " +
-         (error == kSuccess ? "check cable and power, that your account may use the port, and that "
-                              "the vendor's set-up tool lists the device"
-                            : meaning(error));
+         (error == kSuccess
+              ? "check its cable and power, that your account may use the port, and that "
+                "the vendor's set-up tool lists the device"
+              : meaning(error));
 }
 
 std::string Device::open() {
@@ -350,7 +351,7 @@ std::string Device::trouble() const {
     return "openhaptics: the device is not calibrated: hold the arm in its reset position and send "
            "home";
   if (running_ && calibration_status_ != kCalibrated)
-    return "openhaptics: the device calibrates itself: wait, and do not hold it";
+    return "openhaptics: the device is calibrating itself: wait, and do not hold it";
   return {};
 }
 

@@ -40,19 +40,19 @@ std::string HdLibrary::load() {
   if (!library_.load(names)) {
     if (library_.found()) {
       const bool needs_driver = library_.error().find("PhantomIO") != std::string::npos;
-      return "the OpenHaptics library does not load: " + library_.error() +
+      return "the OpenHaptics library cannot be loaded: " + library_.error() +
              (needs_driver ? "; that file comes with 3D Systems' Touch device driver: install it"
                            : "; install 3D Systems' Touch device driver and OpenHaptics for this "
                              "machine, or set PHANTOM_LIBHD to the path of libHD");
     }
-    return "the OpenHaptics library is not here (tried " + SharedLibrary::joined(names) + ": " +
+    return "the OpenHaptics library was not found (tried " + SharedLibrary::joined(names) + ": " +
            library_.error() +
-           "); install 3D Systems' Touch device driver and OpenHaptics from "
+           "): install 3D Systems' Touch device driver and OpenHaptics from "
            "support.3dsystems.com, or set PHANTOM_LIBHD to the path of libHD";
   }
   if (const char* missing = library_.missing()) {
     return library_.name() + " has no function " + missing +
-           "; it is not OpenHaptics 3.4 or newer: install that, or set "
+           ": install OpenHaptics 3.4 or newer, or set "
            "PHANTOM_LIBHD to the path of its libHD";
   }
   return {};

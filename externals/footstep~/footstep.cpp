@@ -128,12 +128,12 @@ void Footstep::set_surface(std::span<const Atom> given, Host& host) {
     arguments = arguments.subspan(1);
   }
   if (arguments.empty() || arguments.size() > 3)
-    return host.error(refusal("surface", given, "one name or two, and how much of the second"));
+    return host.error(refusal("surface", given, "one or two names, then a mix in 0..1"));
   std::array<std::shared_ptr<const Surface>, 2> found{};
   const std::size_t names = std::min<std::size_t>(arguments.size(), 2);
   for (std::size_t i = 0; i < names; ++i) {
     if (!arguments[i].is_word)
-      return host.error(refusal("surface", given, "one name or two, and how much of the second"));
+      return host.error(refusal("surface", given, "one or two names, then a mix in 0..1"));
     found[i] = store_.find(arguments[i].word, host);
     if (!found[i])
       return;
@@ -159,11 +159,11 @@ void Footstep::calibrate(std::span<const Atom> arguments, Host& host) {
   if (!arguments[0].is_word || (!ball && arguments[0].word != "heel") ||
       !numbers_of(arguments.subspan(1), numbers))
     return host.error(
-        refusal("calibrate", arguments, "heel or ball, then readings and newtons in turn"));
+        refusal("calibrate", arguments, "heel or ball, then pairs of reading and newtons"));
   Calibration table;
   if (!numbers.empty() && !table.set(numbers))
     return host.error(
-        refusal("calibrate", arguments, "5 to 32 points that rise, reading and newtons in turn"));
+        refusal("calibrate", arguments, "5 to 32 ascending pairs of reading and newtons"));
   for (Side& side : *sides_)
     (ball ? side.sensor.ball_calibration() : side.sensor.heel_calibration()) = table;
 }
@@ -172,8 +172,8 @@ void Footstep::equalise(std::span<const Atom> arguments, Host& host) {
   std::vector<double> numbers;
   ActuatorEqualiser trial;
   if (!numbers_of(arguments, numbers) || !trial.set(numbers))
-    return host.error(
-        refusal("equalise", arguments, "up to 16 pairs, rising Hz in 20..2000 and dB in -24..24"));
+    return host.error(refusal("equalise", arguments,
+                              "up to 16 pairs of ascending Hz in 20..2000 and dB in -24..24"));
   for (Side& side : *sides_)
     static_cast<void>(side.foot.drive().equalise(numbers));
 }

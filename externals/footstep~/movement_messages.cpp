@@ -81,14 +81,14 @@ void Footstep::step(std::span<const Atom> arguments, Host& host) {
 void Footstep::turn(std::span<const Atom> arguments, Host& host) {
   const auto degrees = number(arguments, 0, kTurnDegrees);
   if (!degrees)
-    return host.error(refusal("turn", arguments, "1 to 180 degrees"));
+    return host.error(refusal("turn", arguments, "1..180 degrees"));
   schedule(Turn{*degrees * std::numbers::pi / 180, next_side()}, host);
 }
 
 void Footstep::jump(std::span<const Atom> arguments, Host& host) {
   const auto height = number(arguments, 0, kJumpHeight);
   if (!height)
-    return host.error(refusal("jump", arguments, "a height of 0.01 to 1 m"));
+    return host.error(refusal("jump", arguments, "a height in 0.01..1 m"));
   schedule(Jump{*height}, host);
 }
 
@@ -104,8 +104,7 @@ void Footstep::drag(std::span<const Atom> arguments, Host& host) {
   const auto numbers = arguments.subspan(side ? 1 : 0);
   const auto length = number(numbers, 0, kDragLength), speed = number(numbers, 1, kDragSpeed);
   if (!length || !speed || numbers.size() > 2)
-    return host.error(
-        refusal("drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s"));
+    return host.error(refusal("drag", arguments, "left or right, then 0.01..20 m and 0.02..5 m/s"));
   schedule(Drag{side ? *side : next_side(), *length, *speed}, host);
 }
 

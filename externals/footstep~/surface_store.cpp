@@ -46,7 +46,8 @@ std::shared_ptr<const Surface> SurfaceStore::find(std::string_view name, Host& h
   if (path.empty() && !name.ends_with(".txt"))
     path = host.find_file(std::string(name) + ".txt");
   if (path.empty()) {
-    std::string sentence = "surface " + std::string(name) + ": no file, and none of";
+    std::string sentence = "surface " + std::string(name) +
+                           ": file not found beside the patch or in the search path; or use";
     for (const BuiltInSurface& surface : built_in_surfaces())
       sentence += " " + std::string(surface.name);
     host.error(sentence);

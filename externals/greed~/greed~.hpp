@@ -69,8 +69,8 @@ private:
   void articulate() noexcept { instrument_.articulate(); }
   void bang(Host& host) {
     if (!parameters().tune)
-      return host.error("bang: expected tune 1, with which a player tongues the note; without it "
-                        "the breath p_m makes the sound");
+      return host.error("bang: expected tune 1, with which the player tongues the note; without it "
+                        "the mouth pressure p_m alone makes the sound");
     instrument_.articulate();
   }
   void take_preset(const Atom& name, Host& host) {
@@ -105,7 +105,7 @@ private:
     std::array<double, reed::Woodwind::kMaxToneHoles + 1> closed{};
     const std::size_t count = wind->tone_holes() + 1;
     bool usable = arguments.size() == count;
-    std::string given = std::to_string(arguments.size()) + " of them";
+    std::string given = std::to_string(arguments.size()) + " numbers";
     for (std::size_t i = 0; i < count && usable; ++i) {
       usable = !arguments[i].is_word && arguments[i].number >= 0 && arguments[i].number <= 1;
       closed[i] = arguments[i].number;
@@ -114,12 +114,11 @@ private:
                                      : number_text(arguments[i].number);
     }
     if (!usable)
-      return host.error(
-          "holes: " + given + ", expected " + std::to_string(count) +
-          " numbers in 0..1, the register vent and then the holes from the reed down: "
-          "1 closed, 0 open");
+      return host.error("holes: " + given + ": expected " + std::to_string(count) +
+                        " numbers in 0..1, the register vent, then the holes from the reed down: "
+                        "1 closed, 0 open");
     if (!instrument_.finger_holes(std::span(closed).first(count)))
-      host.error("holes: found no filter for these, expected another fingering");
+      host.error("holes: no filter found for this fingering: expected another one");
   }
 
   reed::Instrument instrument_;

@@ -139,7 +139,7 @@ void HapticServerObject::dump(Host& host) {
 void HapticServerObject::set_position(std::span<const Atom> arguments, Host& host) {
   std::array<double, 3> mm{};
   if (!numbers(arguments, mm))
-    return host.error(refusal("list", arguments, "x y z, three numbers of mm"));
+    return host.error(refusal("list", arguments, "x y z in mm"));
   device_.set_position(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
 }
 
@@ -168,7 +168,7 @@ void HapticServerObject::set_button(std::span<const Atom> arguments, Host& host)
   std::array<double, 2> given{};
   if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
       given[0] != std::floor(given[0]))
-    return host.error(refusal("button", arguments, "n 0 or n 1, n from 0 to 31"));
+    return host.error(refusal("button", arguments, "n 0 or n 1, with n in 0..31"));
   device_.set_button(static_cast<int>(given[0]), given[1] != 0);
 }
 
@@ -179,7 +179,8 @@ void HapticServerObject::stop(Host& host) {
 
 void HapticServerObject::enable(std::span<const Atom> arguments, Host& host) {
   if (arguments[0].is_word || arguments[0].number != 1)
-    return host.error(refusal("motors", arguments, "1; a client's start and stop do the rest"));
+    return host.error(
+        refusal("motors", arguments, "1; clients switch the motors by start and stop"));
   if (stopped())
     host.info({"status", "estop", 0.0});
   servo_.exchange().motors.enable();

@@ -32,24 +32,25 @@ void IoaLink::send(std::span<const Atom> arguments, Host& host) {
   for (const Atom& atom : arguments.subspan(1)) {
     const double number = atom.is_word ? 0 : static_cast<double>(static_cast<float>(atom.number));
     if (!std::isfinite(number))
-      return host.error("send " + text_of(arguments[0]) + ": a field is not finite");
+      return host.error("send " + text_of(arguments[0]) + ": not a finite number");
     atom.is_word ? topic.string(atom.word) : topic.real(number);
   }
   const double now_ms = host.now_ms();
   if (net::bus_topic(topic.name()).has_time) {
     if (arguments.size() < 2 || arguments[1].is_word)
-      return host.error("send " + text_of(arguments[0]) + ": expected its time in ms first");
+      return host.error("send " + text_of(arguments[0]) +
+                        ": expected the event's time in ms as first field");
     net::Message timed(net::Address::kTopic, topic.name());
     timed.real(message_time_since(arguments[1].number, now_ms + bus_ahead_ms_));
     for (std::size_t i = 1; i < topic.size(); ++i)
       timed.add(topic[i]);
     if (!std::isfinite(timed.number_at(0).value_or(0)))
-      return host.error("send " + text_of(arguments[0]) + ": its time is out of range");
+      return host.error("send " + text_of(arguments[0]) + ": the event's time is out of range");
     topic = timed;
   }
   if (!link_.send(topic, now_ms / kPerSecond))
-    host.error("send " + text_of(arguments[0]) + ": longer than " + std::to_string(net::kMaxSent) +
-               " bytes");
+    host.error("send " + text_of(arguments[0]) + ": expected at most " +
+               std::to_string(net::kMaxSent) + " bytes");
 }
 
 void IoaLink::deliver(const net::BusLink::Delivered& delivered, Host& host) {
@@ -68,7 +69,7 @@ void IoaLink::deliver(const net::BusLink::Delivered& delivered, Host& host) {
 void IoaLink::listen(std::span<const Atom> arguments, Host& host) {
   const int port = port_of(arguments[0], 0);
   if (port < 0)
-    return host.error("listen " + text_of(arguments[0]) + ": expected a port from 0 to 65535");
+    return host.error("listen " + text_of(arguments[0]) + ": expected a port in 0..65535");
   std::string address = arguments.size() > 1 ? text_of(arguments[1]) : std::string();
   disconnect(host);
   link_.listen(port, address == "loopback" ? std::string() : address);
@@ -79,7 +80,7 @@ void IoaLink::connect(std::span<const Atom> arguments, Host& host) {
   const int port = port_of(arguments.back(), 1);
   if (port < 0)
     return host.error("connect " + text_of(arguments.back()) +
-                      ": expected [host] port, a port from 1 to 65535");
+                      ": expected [host] port, with a port in 1..65535");
   disconnect(host);
   link_.connect(arguments.size() > 1 ? text_of(arguments[0]) : "127.0.0.1", port);
   host.wake_in(0, 0);
@@ -98,7 +99,7 @@ void IoaLink::set_playout(const Atom& delay, Host& host) {
   if (delay.is_word && delay.word == "auto")
     return link_.set_playout({});
   if (delay.is_word || !(delay.number >= 0 && delay.number <= kMax_ms))
-    return host.error("playout " + text_of(delay) + ": expected auto, or 0 to 400 ms");
+    return host.error("playout " + text_of(delay) + ": expected auto or 0..400 ms");
   link_.set_playout(delay.number / kPerSecond);
 }
 
@@ -141,7 +142,7 @@ void IoaLink::tell(Host& host) {
       host.info({"status", "back", std::string_view(notices.text)});
       break;
     case What::kWarning:
-      host.error("the other side says " + notices.text);
+      host.error("the peer reports " + notices.text);
       break;
     case What::kFailed:
       host.error(notices.text);

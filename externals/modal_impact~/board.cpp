@@ -22,13 +22,14 @@ bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.numbe
 void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
   const bool displaced = arguments.size() == 4;
   if (!arguments[0].is_word || (arguments.size() != 1 && !displaced))
-    return host.error(refusal("board", arguments, "a file's name, perhaps with dx dy dz, or none"));
+    return host.error(
+        refusal("board", arguments, "the name of a file, optionally dx dy dz, or none"));
   TableFile board{{}, std::string(arguments[0].word), wanted_.board.number + 1};
   Vec3 displacement_m{};
   if (displaced) {
     for (std::size_t i = 1; i < 4; ++i)
       if (!is_position(arguments[i]))
-        return host.error(refusal("board", arguments, "dx dy dz of -1e+06..1e+06 mm"));
+        return host.error(refusal("board", arguments, "dx dy dz in -1e+06..1e+06 mm"));
     displacement_m =
         kMillimetre * Vec3{arguments[1].number, arguments[2].number, arguments[3].number};
   }
@@ -66,7 +67,7 @@ bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* 
     const double far = kGapWarningRatio * model.settings.size * model.loaded->surface.diagonal();
     if (host && !model.resting_contacts.empty() && model.largest_gap_m > far)
       host->log("the points of rest are up to " + number_text(1000 * model.largest_gap_m) +
-                " mm from the board: the layer between is taken to be so thick");
+                " mm from the board: the layer between them is assumed to have that thickness");
     return true;
   }
   if (host)

@@ -26,10 +26,11 @@ bool ModalImpact::must_wait(const Message& row, Numbers numbers,
     return false;
   if (waiting_count_ == waiting_.size() || numbers.size() > kFewNumbers) {
     Sentence sentence(row.name);
-    sentence += body_.model()
-                    ? ": 64 messages wait already for a change that is being computed"
-                    : ": 64 messages wait already for the body that is being read; send more after "
-                      "`loaded` has come out";
+    sentence +=
+        body_.model()
+            ? ": 64 messages are already queued for a change that is being computed"
+            : ": 64 messages are already queued for the body that is being read; send more after "
+              "`loaded`";
     host.error(sentence);
     return true;
   }
@@ -73,17 +74,17 @@ std::string ModalImpact::find_table(std::string_view message, const std::string&
     if (std::string path = host.find_file(name + end); !path.empty())
       return path;
   host.error(std::string(message) + " " + name +
-             ": there is no such file beside the patch, in the search path or beside the object");
+             ": file not found beside the patch, in the search path or beside the object");
   return {};
 }
 
 void ModalImpact::load_named(std::span<const Atom> arguments, Host& host) {
   if (!arguments[0].is_word)
-    return host.error(refusal("load", arguments, "a file's name"));
+    return host.error(refusal("load", arguments, "the name of a file"));
   bool sync = at_once();
   if (arguments.size() > 1) {
     if (!arguments[1].is_word || arguments[1].word != "-sync")
-      return host.error(refusal("load", arguments, "a file's name and perhaps -sync"));
+      return host.error(refusal("load", arguments, "the name of a file, optionally -sync"));
     sync = true;
   }
   const std::string name(arguments[0].word);

@@ -102,7 +102,7 @@ void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
   warned_ = true;
   Sentence sentence("the point is ");
   sentence += number_text(point.distance * 1000);
-  sentence += " mm off the body: moved to the nearest point of its surface; reported once";
+  sentence += " mm off the body: using the nearest point of its surface (reported once)";
   host.log(sentence);
 }
 
@@ -113,9 +113,8 @@ void ModalImpact::warn_if_still(std::string_view message, const SurfacePoint& po
     return;
   warned_still_ = true;
   Sentence sentence(message);
-  sentence +=
-      ": no mode of this table moves along this direction: the body is rigid there and gives "
-      "no sound; reported once";
+  sentence += ": no mode of this table moves the surface along this direction, so it gives "
+              "no sound (reported once)";
   host.log(sentence);
 }
 
@@ -220,7 +219,7 @@ void ModalImpact::set_normal(Numbers n, Host& host) {
     return;
   }
   if (n.size() != 3)
-    return host.error("normal: expected x y z, or nothing for the surface's own");
+    return host.error("normal: expected x y z, or nothing for the surface normal");
   const Vec3 direction{n[0], n[1], n[2]};
   const double size = norm(direction);
   if (!(size > 0))
@@ -341,7 +340,7 @@ void ModalImpact::set_listener(Numbers n, Host& host) {
       listener[i] = kMillimetre * Vec3{n[3 * i], n[3 * i + 1], n[3 * i + 2]};
     }
   } else {
-    return host.error("listener: expected i x y z, or x y z of each from the first on");
+    return host.error("listener: expected i x y z, or x y z of listeners 1, 2, ...");
   }
   change(settings_.listener, listener, false);
 }

@@ -110,8 +110,8 @@ void ModalImpact::request(bool at_once, Host& host) {
     const std::string reason = worker_.request(wanted_);
     if (reason.empty())
       return;
-    host.error("no thread starts to read tables (" + reason +
-               "); they are read at once, which may interrupt the sound");
+    host.error("cannot start a thread to read tables (" + reason +
+               "); they are read in the host's thread, which may interrupt the sound");
   }
   worker_.finish();
   take_tables(&host);
@@ -217,7 +217,7 @@ void ModalImpact::post_loaded(Host& host) {
   host.info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
              static_cast<double>(table.modes())});
   if (table_->shape.empty())
-    host.log("the table has frequencies alone: every mode rings with the same gain");
+    host.log("the table has no mode shapes: all modes have the same gain");
 }
 
 void ModalImpact::created(Host& host) {
@@ -231,7 +231,7 @@ void ModalImpact::created(Host& host) {
 const BodyModel* ModalImpact::body(Host& host) {
   body_.adopt();
   if (!body_.model())
-    host.error("there is no body yet: load one");
+    host.error("no body is loaded: send load NAME first");
   return body_.model();
 }
 

@@ -32,7 +32,8 @@ std::string ModeJob::launch(const Request& request) {
   const std::string program = find_modal_fem(request.program);
   if (program.empty())
     return "the program " + (request.program.empty() ? kProgram : request.program) +
-           " was not found: expected it beside modal_impact~, in PATH, or by solver PATH";
+           " was not found: expected beside modal_impact~ or in PATH; else send solver with its "
+           "path";
   std::string refusal;
   child_ =
       ServedProgram::start({program, "serve", request.path}, kProgram, limits_.start_s, refusal);
@@ -66,7 +67,7 @@ bool ModeJob::await_ready(const Request& request, const Turn<Answer>& turn, std:
   if (!answer)
     return false;
   if (answer->kind == ServeKind::refused) {
-    lost = "the solver refuses the body: " + text_of(*answer);
+    lost = "the solver refused the body: " + text_of(*answer);
     return false;
   }
   const auto found = value_at<ModesReady>(answer->payload);
@@ -110,7 +111,7 @@ std::string ModeJob::exchange(const Request& request, const Turn<Answer>& turn, 
   ResolvedModes resolved;
   if (const std::string refusal = files::read_resolved_modes(reply->payload, body.table, resolved);
       !refusal.empty())
-    return "the solver's answer is invalid, and it was ended: " + refusal;
+    return "the solver sent an invalid answer and was stopped: " + refusal;
   answer.seconds = resolved.seconds;
   answer.fraction = resolved.fraction;
   answer.table = std::make_shared<const LoadedTable>(std::move(resolved.table), body,
@@ -130,7 +131,7 @@ double ModeJob::work(const Request& request, Turn<Answer>& turn) {
   try {
     lost = exchange(request, turn, answer);
   } catch (const std::bad_alloc&) {
-    lost = "there is not enough memory for the solver's answer";
+    lost = "not enough memory for the solver's answer";
   }
   if (!lost.empty()) {
     child_.reset();

@@ -96,8 +96,8 @@ void ModalImpact::start_solve(Host& host) {
   if (const std::string refusal = solver_.request(request); !refusal.empty()) {
     solving_ = false;
     solver_unavailable_ = true;
-    host.error("resolve: no thread starts for the solver (" + refusal +
-               "); frequencies are extrapolated until load or solver");
+    host.error("resolve: cannot start a thread for the solver (" + refusal +
+               "); frequencies are extrapolated until 'load' or 'solver'");
   }
 }
 
@@ -129,7 +129,7 @@ void ModalImpact::accept_solution(ModeJob::Answer result, Host& host) {
   if (result.lost) {
     solver_unavailable_ = true;
     return host.error("resolve: " + result.refusal +
-                      "; frequencies are extrapolated until load or solver");
+                      "; frequencies are extrapolated until 'load' or 'solver'");
   }
   if (!result.refusal.empty()) {
     solve_failed_ = true; // until the shape moves
@@ -141,7 +141,7 @@ void ModalImpact::accept_solution(ModeJob::Answer result, Host& host) {
     return start_settle_timer(0, host);
   if (result.fraction < 1) {
     solve_failed_ = true;
-    host.error("resolve: elements would turn inside out before this shape: the modes are solved "
+    host.error("resolve: elements would be inverted at this shape: the modes are solved "
                "at " +
                number_text(100 * result.fraction) + " % of the move, and extrapolated from there");
   }
@@ -190,8 +190,8 @@ void ModalImpact::set_solver(const Atom& program, Host& host) {
     path = host.find_file(program.word);
     if (path.empty() || find_modal_fem(path).empty())
       return host.error("solver " + std::string(program.word) +
-                        ": there is no such program beside the patch or in the search path that "
-                        "may be run: expected the path of modal_fem");
+                        ": no executable file found beside the patch or in the search path: "
+                        "expected the path of modal_fem");
   }
   solver_program_ = std::move(path);
   reset_solver(&host);

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxListed = 128; // control points that info lists
 
 const design::ShapeParameters* ModalImpact::shape_parameters(std::string_view message, Host& host) {
   if (!table_) {
-    host.error(std::string(message) + ": there is no body yet: load one");
+    host.error(std::string(message) + ": no body is loaded: send load NAME first");
     return nullptr;
   }
   const ShapeSensitivity& sensitivity = table_->table.sensitivity;
@@ -79,8 +79,9 @@ void ModalImpact::deform(std::vector<double> displacement, const design::ShapePa
   if (!warned_of_trust_ && beyond && !solves) {
     warned_of_trust_ = true;
     host.log("control point " + std::to_string(largest - moved.begin()) + " is moved by " +
-             number_text(1000 * norm(*largest)) + " mm, the table trusts " +
-             number_text(1000 * shape.trust_m) + " mm: frequencies are extrapolated; said once");
+             number_text(1000 * norm(*largest)) + " mm, beyond the table's " +
+             number_text(1000 * shape.trust_m) +
+             " mm: frequencies are extrapolated (reported once)");
   }
   settings_.shape_displacement_m = std::move(displacement);
   rebuild_model();

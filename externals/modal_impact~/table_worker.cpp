@@ -33,7 +33,7 @@ std::string TableJob::radiation_refusal(const LoadedTable& table, Radiation radi
   const std::string_view missing = missing_arrays(table, radiation);
   return missing.empty() ? std::string()
                          : "radiation " + name(radiation) + ": the table has no arrays " +
-                               std::string(missing) + ": " + name(instead) + " is used";
+                               std::string(missing) + "; using " + name(instead);
 }
 
 bool TableJob::next(const Request& request, Tables& changed, std::string& subject,
@@ -62,7 +62,7 @@ bool TableJob::next(const Request& request, Tables& changed, std::string& subjec
 /// Returns an empty text, or why the tables cannot be joined.
 std::string TableJob::join(Tables changed) {
   if (!changed.body)
-    return "there is no body yet: load one first";
+    return "no body is loaded: send load NAME first";
   if (!changed.board)
     changed.both = changed.body;
   else if (std::string refusal = LoadedTable::refusal(*changed.body, *changed.board);

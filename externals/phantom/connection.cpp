@@ -61,7 +61,7 @@ void Phantom::send_status(std::string_view word, Host& host) const {
 bool Phantom::for_simulation(std::string_view message, Host& host) const {
   if (!driver_)
     return true;
-  host.error(std::string(message) + ": only the simulated device has one, not " +
+  host.error(std::string(message) + ": only for the simulated device, not for " +
              std::string(driver_name()) + "; send backend sim first");
   return false;
 }
@@ -73,7 +73,7 @@ void Phantom::on_backend(Words words, Host& host) {
     if (!requested)
       return host.error(expected("backend", words[0], driver_names(true)));
   } else if (words.size() > 1) {
-    return host.error("backend sim: takes no arguments");
+    return host.error("backend sim: expected no arguments");
   }
   Device made;
   if (requested) {
@@ -115,7 +115,7 @@ std::string Phantom::configure_new(haptic::Backend& device, Words words) {
 void Phantom::on_setting(Words words, Host& host, std::string_view name) {
   if (!driver_)
     return host.error((name.empty() ? "driver" : std::string(name)) +
-                      ": only a real device has one; choose it first with backend " +
+                      ": only for a real device; first choose one with backend " +
                       driver_names(false));
   std::vector<std::string> texts;
   if (!name.empty())
@@ -129,7 +129,7 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     std::string found = host.find_file(texts[1]);
     if (found.empty())
       return host.error(texts[0] + " " + texts[1] +
-                        ": no such file beside the patch or in the search path");
+                        ": file not found beside the patch or in the search path");
     texts[1] = std::move(found);
   }
   if (const std::string refused = device_->configure(texts); !refused.empty())
@@ -144,7 +144,7 @@ void Phantom::on_devices(Host& host) {
   if (!lister_)
     lister_ = std::make_unique<DeviceWorker>([&host] { host.wake_from_thread(); });
   if (const std::string late = lister_->overdue(kListOverdue_s); !late.empty())
-    return host.error("devices: " + late + " has not returned yet; the rest waits for it");
+    return host.error("devices: " + late + " has not returned yet; the list waits for it");
   if (const std::string refusal = lister_->list(); !refusal.empty())
     host.error("devices: " + refusal);
 }
@@ -157,7 +157,7 @@ void Phantom::on_name(Words words, Host& host) {
   if (!created_)
     return; // creation does the rest
   if (!signals_published_)
-    host.error("name " + name_ + ": another phantom has it; phantom~ finds that one");
+    host.error("name " + name_ + ": another phantom has this name; phantom~ connects to that one");
   if (exchange().motors.request().stopped)
     latch_stop();
   inherit_stop(name_key(name_), host);
@@ -177,8 +177,9 @@ void Phantom::connect_simulation(Host& host) {
 void Phantom::connect(Words which, Host& host) {
   if (!driver_) {
     if (!which.empty() && (which[0].is_word || which[0].number != 0))
-      return host.error(expected("open", which[0],
-                                 "nothing or 0, since sim is one device; backend chooses another"));
+      return host.error(
+          expected("open", which[0],
+                   "nothing or 0, the only simulated device; choose another driver with backend"));
     if (!created_)
       return; // creation opens it
     disconnect(host);
@@ -188,8 +189,8 @@ void Phantom::connect(Words which, Host& host) {
     return host.error("open: a real device cannot be stepped by the patch's time; send clock auto "
                       "or clock wall first");
   if (clock_ == Clock::kAuto && !host.real_time())
-    return host.error("open: this is a render in batch, faster or slower than a real device; send "
-                      "clock wall first to use it all the same");
+    return host.error("open: a batch render does not run in real time; send "
+                      "clock wall first to use a real device all the same");
   disconnect(host);
   if (!which.empty())
     if (const std::string refusal = configure(*device_, which, true); !refusal.empty())
@@ -322,7 +323,7 @@ void Phantom::posted(Host& host) {
       break;
     case Answer::Kind::kClosed:
       if (!answer->released)
-        host.error("close: the device did not take the last force, zero; it may be unplugged");
+        host.error("close: the device did not accept the final zero force; it may be unplugged");
       break;
     }
   }
@@ -342,8 +343,8 @@ void Phantom::watch_worker(Host& host) {
   }
   const bool again = link_ == Link::kOpening;
   worker_.reset(); // the thread owns its data and ends when the call returns
-  host.error(late + " has not returned for 1 s; its thread is left behind. Switch the device off "
-                    "and on; if it does not open then, restart the host");
+  host.error(late + " has not returned for 1 s; its thread is abandoned. Switch the device off "
+                    "and on; if it cannot be opened then, restart the host");
   if (again) { // the new opening was queued behind that call
     if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_);
         !refusal.empty())

@@ -44,15 +44,15 @@ DeviceWorker::~DeviceWorker() {
 std::string DeviceWorker::enqueue(Task task) {
   const std::scoped_lock lock(state_->mutex);
   if (state_->ending)
-    return "the program ends";
+    return "the program is ending";
   if (!state_->has_thread) {
     const devices::ScopedSignalMask
         mask; // the drivers' threads inherit it, since the worker starts them
     try {
       std::thread([state = state_] { state->work(); }).detach();
     } catch (const std::system_error& error) {
-      return std::string("the devices' thread does not start (") + error.what() +
-             "): end other programs or raise the limit on threads";
+      return std::string("cannot start the thread for devices (") + error.what() +
+             "): close other programs or raise the limit on threads";
     }
     state_->has_thread = true;
     const std::scoped_lock table_lock(table().mutex);

@@ -32,7 +32,7 @@ std::string read_grating(Words words, const Range& height, double* v, Vec3& dire
   direction = {v[2], v[3], v[4]};
   const double length = norm(direction);
   if (!(length > 1e-6))
-    return "direction 0 0 0: expected one that is not zero";
+    return "direction 0 0 0: expected a nonzero vector";
   direction = direction * (1 / length);
   return {};
 }

@@ -63,8 +63,8 @@ void Phantom::on_workspace(Words words, Host& host) {
     const haptic::Workspace changed{metres(mm), metres(mm + 3)};
     if (!changed.valid())
       return host.error(tactus::refusal("workspace", words,
-                                        "no minimum above its maximum, xmin ymin zmin xmax ymax "
-                                        "zmax in mm"));
+                                        "xmin ymin zmin xmax ymax zmax in mm, no minimum above "
+                                        "its maximum"));
     workspace = changed;
     learning_ = false;
     own_workspace_ = true;
@@ -84,7 +84,7 @@ void Phantom::on_map(Words words, Host& host) {
                        : std::nullopt;
   if (!map)
     return host.error(
-        refusal("map", words, "the letters xyz in some order and three signs 1 or -1"));
+        refusal("map", words, "the letters x, y and z in any order, then three signs 1 or -1"));
   settings_.map = *map;
   apply_settings();
 }
@@ -152,7 +152,7 @@ void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_
   warned_n_per_m_ = stiffness_n_per_m;
   host.log(what + " has " + number_text(stiffness_n_per_m) + " N/m, above the " +
            number_text(bound) +
-           " N/m that this device holds quiet: it may hum. Raise damp or rate, "
+           " N/m up to which this device is stable: it may vibrate. Raise damp or rate, "
            "or lower the stiffness");
   if (reported_[kStatus])
     host.info({"status", "stiff", stiffness_n_per_m, bound});
@@ -166,8 +166,8 @@ void Phantom::warn_of_damping(const std::string& what, double damping_n_s_per_m,
   if (!(damping_n_s_per_m > bound) || damping_n_s_per_m <= warned_n_s_per_m_)
     return;
   warned_n_s_per_m_ = damping_n_s_per_m;
-  host.log(what + " damps by " + number_text(damping_n_s_per_m) + " N s/m, above the " +
-           number_text(bound) + " N s/m that this device holds quiet");
+  host.log(what + " has " + number_text(damping_n_s_per_m) + " N s/m, above the " +
+           number_text(bound) + " N s/m up to which this device is stable");
   if (reported_[kStatus])
     host.info({"status", "damped", damping_n_s_per_m, bound});
 }

@@ -51,8 +51,8 @@ void Phantom::inherit_stop(const std::string& key, Host& host) {
   if (!estop_latched(key))
     return;
   if (!exchange().motors.request().stopped)
-    host.log("the estop of an earlier phantom holds for this one, by its name or its device: send "
-             "motors 1 to have force");
+    host.log("the estop of an earlier phantom of the same name or device is still active: send "
+             "motors 1 to enable the force");
   exchange().motors.emergency_stop();
   given_.motors = false;
   estop_keys_.push_back(key);

@@ -96,7 +96,7 @@ std::string NamedNetwork::too_large() const {
       network_.masses.begin(), network_.masses.end(), [](const auto& m) { return m.fixed; }));
   const std::size_t masses = network_.masses.size() - anchors;
   if (masses > Network::kMaxMasses)
-    return std::to_string(masses) + " masses that move: expected at most " +
+    return std::to_string(masses) + " movable masses: expected at most " +
            std::to_string(Network::kMaxMasses);
   if (anchors > Network::kMaxAnchors)
     return std::to_string(anchors) + " anchors: expected at most " +
@@ -118,7 +118,7 @@ NamedNetwork::Stepping NamedNetwork::stepping(double period_s) const {
              " kg) with its springs and the hand needs " + number_text(std::ceil(needed_hz)) +
              " steps a second";
   else if (got_hz < 0.9 * network_.rate_hz)
-    reason = std::to_string(network_.links.size()) + " links leave time for no more";
+    reason = std::to_string(network_.links.size()) + " links: a tick has no time for more steps";
   if (steps == 0)
     reason += ", too many for " + std::to_string(network_.links.size()) +
               " links: expected fewer links, softer springs, weaker dampers or heavier masses";

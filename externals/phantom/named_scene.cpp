@@ -80,8 +80,8 @@ std::string NamedScene::add(Words words, const Host& host) {
   });
   const std::size_t max = is_mesh(entry.body) ? kMaxMeshes : kMaxSolids;
   if (static_cast<std::size_t>(same) >= max)
-    return "the scene has " + std::to_string(max) + (is_mesh(entry.body) ? " meshes" : " bodies") +
-           " already, the most there can be";
+    return std::to_string(max + 1) + (is_mesh(entry.body) ? " meshes" : " bodies") +
+           ": expected at most " + std::to_string(max);
   if (old) {
     remember_removed(*old);
     *old = std::move(entry);
@@ -146,7 +146,7 @@ std::string NamedScene::set_tool(Words words) {
   if (std::string refusal = read_numbers(words, {{kRadius}}, mm); !refusal.empty())
     return refusal;
   if (mm[0] > 0 && mm[0] < kMinTool_mm)
-    return "radius " + number_text(mm[0]) + " mm: expected 0, which is a point, or " +
+    return "radius " + number_text(mm[0]) + " mm: expected 0 (a point) or " +
            number_text(kMinTool_mm) + ".." + number_text(kMaxTool_mm) + " mm";
   tool_radius_m_ = mm[0] * 1e-3;
   return {};

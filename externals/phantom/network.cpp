@@ -54,14 +54,14 @@ void Phantom::on_network(Words words, Host& host) {
   }
   if (!rig_->network.queue_action(action))
     host.error("network " + std::string(words[0].word) +
-               ": 64 actions are queued and the servo does not run; expected an open device");
+               ": 64 actions are queued and the servo does not run: expected an open device");
 }
 
 /// A new period of the ticks may need more steps than a tick can have.
 void Phantom::check_network(Host& host) {
   const auto stepping = network_.stepping(period_s());
   if (!(stepping.rate_hz > 0))
-    host.error("network: not stepped: at " + number_text(1 / period_s()) + " ticks a second " +
+    host.error("network: stopped: at " + number_text(1 / period_s()) + " ticks a second, " +
                stepping.reason);
 }
 

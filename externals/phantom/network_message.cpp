@@ -84,9 +84,9 @@ std::string NamedNetwork::add_anchor(Words words) {
     return {};
   }
   if (old == kNone && words.size() == 1)
-    return name + ": no such mass; a new anchor needs x y z in mm";
+    return name + ": no such mass: expected x y z in mm for a new anchor";
   if (old != kNone)
-    return name + ": there is one already";
+    return name + ": this mass already exists: expected its name alone";
   double v[3] = {};
   if (std::string refusal = read_some(words.subspan(1), ranges, 3, v); !refusal.empty())
     return refusal;
@@ -106,7 +106,7 @@ std::string NamedNetwork::add_link(Words words) {
   if (a == kNone || b == kNone)
     return text_of(words[a == kNone ? 0 : 1]) + ": no such mass";
   if (a == b)
-    return text_of(words[0]) + ": a mass is not linked to itself";
+    return text_of(words[0]) + ": expected two different masses";
   haptic::NetworkLink link;
   if (is(words.back(), "pull") || is(words.back(), "push")) {
     link.kind = is(words.back(), "pull") ? Kind::kPull : Kind::kPush;
@@ -161,7 +161,7 @@ std::string NamedNetwork::add_string(Words words) {
   const double min_stiffness = string.tension_n * (string.count + 1) / length_m;
   if (string.stiffness_n_per_m > 0 && string.stiffness_n_per_m < min_stiffness)
     return "stiffness " + number_text(string.stiffness_n_per_m) + " N/m: expected 0 or at least " +
-           number_text(min_stiffness) + ", tension over distance";
+           number_text(min_stiffness) + ", the tension over the spacing of the masses";
   const std::string name = text_of(words[0]);
   std::vector<std::string> names;
   for (int i = 0; i <= string.count + 1; ++i)

@@ -14,7 +14,7 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
     const std::string range_text =
         "expected " + number_text(range.lowest) + ".." + number_text(range.highest) + unit;
     if (i >= words.size())
-      return std::string(range.name) + " is missing: " + range_text;
+      return std::string(range.name) + " needs a value: " + range_text;
     if (words[i].is_word)
       return std::string(range.name) + " " + std::string(words[i].word) + ": " + range_text;
     if (!(words[i].number >= range.lowest && words[i].number <= range.highest))
@@ -28,8 +28,8 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
 std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
                       std::size_t min_count, double* values) {
   if (words.size() > ranges.size())
-    return "takes " + std::to_string(ranges.size()) +
-           (ranges.size() == 1 ? " number" : " numbers") + " at most";
+    return "expected at most " + std::to_string(ranges.size()) +
+           (ranges.size() == 1 ? " number" : " numbers");
   return read_numbers(words, ranges.first(std::max(words.size(), min_count)), values);
 }
 

@@ -82,7 +82,7 @@ void Phantom::watch_queues(Host& host) {
     return;
   last_loss_ms_ = host.now_ms();
   host.error("events: " + number_text(static_cast<double>(lost - lost_reported_)) +
-             " events or rows of the trace were lost, since the patch did not take them in time");
+             " events or trace rows were lost: the patch did not read them in time");
   lost_reported_ = lost;
 }
 
@@ -232,7 +232,7 @@ void Phantom::on_trace(Words words, Host& host) {
   const std::string path = host.new_file(words[0].word);
   const std::string refusal = trace_.open(path);
   if (!refusal.empty())
-    return host.error("trace " + std::string(words[0].word) + ": cannot be written, " + refusal);
+    return host.error("trace " + std::string(words[0].word) + ": cannot be written: " + refusal);
   exchange().tracing = true;
 }
 

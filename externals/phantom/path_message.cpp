@@ -60,7 +60,7 @@ PathChoice lissajous(Words words) {
 PathChoice arrays(Words words, const Host& host) {
   if (words.size() < 3 || words.size() > 4 || !words[0].is_word || !words[1].is_word ||
       !words[2].is_word)
-    return {{}, "expected three array names and the ms from one element to the next"};
+    return {{}, "expected three array names, then the ms between elements"};
   constexpr Range ranges[] = {{"step", "ms", 0.01, 10000}};
   double step_ms = 1;
   if (words.size() == 4)
@@ -77,7 +77,7 @@ PathChoice arrays(Words words, const Host& host) {
     const double mm[] = {columns[0][i], columns[1][i], columns[2][i]};
     const Vec3 position = metres(mm);
     if (!is_finite(position) || norm(position) > kMaxCoordinate_mm * 1e-3)
-      return {{}, "element " + std::to_string(i) + " is not a position within 10000 mm"};
+      return {{}, "element " + std::to_string(i) + ": expected a position within 10000 mm"};
     rows.push_back({static_cast<double>(i) * step_ms * 1e-3, position, 0});
   }
   return {haptic::RowPath(std::move(rows)), {}};
@@ -86,7 +86,9 @@ PathChoice arrays(Words words, const Host& host) {
 PathChoice file(std::string_view name, const Host& host) {
   const std::string found = host.find_file(name);
   if (found.empty())
-    return {{}, "no such file; or use line, circle, lissajous or array"};
+    return {{},
+            "file not found beside the patch or in the search path; or use line, circle, lissajous "
+            "or array"};
   std::string text;
   if (std::string refusal = files::read_file(found, text, files::kMaxPathBytes); !refusal.empty())
     return {{}, std::move(refusal)};

@@ -210,7 +210,8 @@ void Phantom::force_changed(Host& host) {
     command_.last_refused = true;
     if (host.now_ms() - last_error_ms_ >= 1000) {
       last_error_ms_ = host.now_ms();
-      host.error("force: not a finite number; the last good force stays for the watchdog's time");
+      host.error(
+          "force: not a finite number; the last valid force stays until the watchdog ends it");
       if (reported_[kError])
         host.info({"error", "nan", "force", "refused"});
     }

@@ -36,7 +36,7 @@ ShapeChoice plane(Words words) {
     return refused(std::move(refusal));
   const Vec3 normal{v[0], v[1], v[2]};
   if (norm(normal) == 0.0)
-    return refused("the normal nx ny nz has no direction");
+    return refused("the normal nx ny nz is zero: expected a direction");
   const Rotation turn = Rotation::from_z_to(normal);
   return {haptic::Plane{}, {turn.rotated({0, 0, v[3] * 1e-3}), turn}, {}};
 }
@@ -59,7 +59,7 @@ ShapeChoice box(Words words) {
   if (refusal.empty() && words.size() > 6)
     refusal = read(words.subspan(6), rotated, q);
   if (refusal.empty() && q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
-    refusal = "the quaternion qw qx qy qz is 0 0 0 0: expected one that is a rotation, as 1 0 0 0";
+    refusal = "the quaternion qw qx qy qz is 0 0 0 0: expected a rotation, such as 1 0 0 0";
   return {haptic::Box{metres(v + 3)},
           {metres(v), Rotation::of(q[0], q[1], q[2], q[3])},
           std::move(refusal)};
@@ -74,13 +74,13 @@ ShapeChoice disk(Words words) {
     return refused(std::move(refusal));
   const Vec3 axis{v[3], v[4], v[5]};
   if (norm(axis) == 0.0)
-    return refused("the axis nx ny nz has no direction");
+    return refused("the axis nx ny nz is zero: expected a direction");
   return {haptic::Disk{v[6] * 1e-3, v[7] * 0.5e-3}, {metres(v), Rotation::from_z_to(axis)}, {}};
 }
 
 ShapeChoice mesh(Words words, const Host& host) {
   if (words.empty() || !words[0].is_word)
-    return refused("expected a file.obj or file.stl and its scale");
+    return refused("expected NAME.obj or NAME.stl, then a scale");
   double scale = 1;
   if (words.size() > 1) {
     constexpr Range ranges[] = {{"scale", "", 1e-6, 1e6}};
@@ -92,7 +92,8 @@ ShapeChoice mesh(Words words, const Host& host) {
   const std::string found = host.find_file(words[0].word);
   constexpr std::uint64_t kMaxMeshBytes = std::uint64_t{1} << 30;
   if (found.empty())
-    return refused(std::string(words[0].word) + ": no such file");
+    return refused(std::string(words[0].word) +
+                   ": file not found beside the patch or in the search path");
   std::string bytes;
   if (const std::string refusal = files::read_file(found, bytes, kMaxMeshBytes); !refusal.empty())
     return refused(std::string(words[0].word) + ": " + refusal);
@@ -103,11 +104,13 @@ ShapeChoice mesh(Words words, const Host& host) {
   for (Vec3& corner : read.points) {
     corner = corner * (scale * 1e-3);
     if (!is_finite(corner) || norm(corner) > kMaxCoordinate_mm * 1e-3)
-      return refused(std::string(words[0].word) + ": reaches beyond 10000 mm; give a scale");
+      return refused(std::string(words[0].word) +
+                     ": extends beyond 10000 mm: expected a smaller scale");
   }
   auto made = std::make_shared<const haptic::TriangleMesh>(read.points, files::fan_triangles(read));
   if (made->size() == 0)
-    return refused(std::string(words[0].word) + ": all its triangles are smaller than 0.001 mm");
+    return refused(std::string(words[0].word) +
+                   ": all its triangles are smaller than 0.001 mm: expected a larger scale");
   return {haptic::MeshSurface{std::move(made)}, {}, {}};
 }
 

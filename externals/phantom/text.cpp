@@ -30,7 +30,7 @@ std::string handle_file(std::span<const Atom> words, std::string_view message, c
   const std::string name(words[0].word), found = host.find_file(name);
   std::ifstream stream = files::open_file(found);
   if (found.empty() || !stream)
-    return name + ": no such file";
+    return name + ": file not found beside the patch or in the search path";
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const std::vector<Atom> all = words_of(line);
@@ -39,9 +39,9 @@ std::string handle_file(std::span<const Atom> words, std::string_view message, c
       here = here.subspan(1);
     if (here.empty())
       continue;
-    const std::string refusal = is(here[0], "load")
-                                    ? "load: a " + std::string(message) + " file loads no other"
-                                    : handle(here);
+    const std::string refusal =
+        is(here[0], "load") ? "load: a " + std::string(message) + " file cannot load another one"
+                            : handle(here);
     if (!refusal.empty())
       return name + " line " + std::to_string(number) + ": " + refusal;
   }

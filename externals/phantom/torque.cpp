@@ -17,7 +17,7 @@ void Phantom::on_torques(Words words, Host& host) {
   exchange().wrist.write(wrist_);
   const haptic::Caps caps = device().caps();
   if (wrist_.on && open() && !(caps.peak_torque_n_m > 0) && !(caps.peak_grip_n > 0))
-    host.error("torques: this device has motors neither for torque nor for a gripper");
+    host.error("torques: this device has no motors for torque or for a gripper");
 }
 
 void Phantom::on_torque(Words words, Host& host) {

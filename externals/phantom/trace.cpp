@@ -27,7 +27,7 @@ std::string Trace::close() {
     return {};
   const bool failed = std::ferror(file_.get()) != 0 || std::fflush(file_.get()) != 0;
   file_.reset();
-  return failed ? "not every row could be written; is the disk full?" : std::string();
+  return failed ? "some rows could not be written: check that the disk is not full" : std::string();
 }
 
 void Trace::write(const haptic::Report& r, double ms) {

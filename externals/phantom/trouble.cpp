@@ -52,8 +52,8 @@ void Phantom::handle_lost_device(Host& host) {
   link_ = Link::kLost;
   switch_off();
   host.error(std::string(driver_name()) +
-             ": the device does not answer any more; check its cable and power. It is opened again "
-             "when it returns, with its motors off until motors 1" +
+             ": the device no longer answers: check its cable and power. It is opened again "
+             "when it returns; its motors stay off until motors 1" +
              (problem.empty() ? "" : " (" + problem + ")"));
   if (!problem.empty())
     send_trouble(trouble_ = problem, host);
@@ -70,8 +70,8 @@ void Phantom::handle_device_fault(Host& host) {
   exchange().motors.emergency_stop();
   latch_stop();
   const std::string problem = device_->trouble();
-  host.error("the device has failed and its motors are off until motors 1: " +
-             (problem.empty() ? std::string(driver_name()) + ": check it first" : problem));
+  host.error("the device has failed and its motors stay off until motors 1: " +
+             (problem.empty() ? std::string(driver_name()) + ": check the device first" : problem));
   if (!problem.empty())
     send_trouble(trouble_ = problem, host);
   if (reported_[kStatus])
@@ -134,14 +134,14 @@ void Phantom::watch_chain(Host& host) {
              newtons(report.derated_to_n) + " until they cool");
   if (changed("clipped", report.clipping, clipping_reported_) &&
       !std::exchange(clipping_logged_, true))
-    host.log(name + ": " + newtons(report.asked_n) + " asked for, of which " +
+    host.log(name + ": " + newtons(report.asked_n) + " requested, limited to " +
              newtons(settings_.chain.force_limit_n) +
-             " are felt (forcemax, or the device's peak); status clipped tells it from now on");
+             " (forcemax, or the device's peak); from now on only status clipped reports it");
   changed("braked", report.braking, braking_reported_);
   if (changed("frozen", report.frozen, frozen_reported_)) {
     switch_off();
-    host.error(name + ": the host stood still for longer than the watchdog's time: no force until "
-                      "motors 1 (resume 1 lets it return by itself)");
+    host.error(name + ": the host froze for longer than the watchdog's time: no force until "
+                      "motors 1 (with resume 1 it returns automatically)");
   }
 }
 

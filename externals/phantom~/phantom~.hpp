@@ -87,7 +87,8 @@ private:
         searches_ = 0;
       } else if (found && !refused_) {
         refused_ = true;
-        host.error("name " + name_ + ": another phantom~ has this device; one is enough");
+        host.error("name " + name_ +
+                   ": another phantom~ already uses this phantom: expected one phantom~ for each");
       }
       player_.attach(link_.get());
       if (link_ || !waiting_)
@@ -95,9 +96,9 @@ private:
       waiting_ = !link_;
     }
     if (!link_ && !refused_ && ++searches_ == kSearchesBeforeNotice)
-      host.log("name " + name_ + ": still waiting for a phantom of this name: expected " +
+      host.log("name " + name_ + ": no phantom of this name found yet: expected " +
                (name_ == "-" ? std::string("[phantom]") : "[phantom -name " + name_ + "]") +
-               " in some patch");
+               " in an open patch");
     host.wake_in(0, kSearchInterval_ms);
   }
   void release_link() noexcept {

@@ -52,7 +52,7 @@ std::string MapStore::read(const std::string& path) {
   if (!file || !std::getline(file, line))
     return "cannot read " + path;
   if (line != kHeading)
-    return path + " holds no playability maps";
+    return path + " is not a file of playability maps";
   std::string key;
   while (std::getline(file, key)) {
     std::size_t count = 0;

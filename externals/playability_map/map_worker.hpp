@@ -26,9 +26,10 @@ public:
   [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
     make_grid(nodes, std::move(portion));
     const std::string reason = worker_.request(grid_);
-    return reason.empty() ? reason
-                          : "no thread starts for the map (" + reason +
-                                "); it is computed in the host's time, which the audio may miss";
+    return reason.empty()
+               ? reason
+               : "cannot start a thread for the map (" + reason +
+                     "); it is computed in the host's thread, which may interrupt the audio";
   }
   /// As start(), but without a thread: each step() computes one portion.
   void start_stepped(std::size_t nodes, Portion portion) {

@@ -145,7 +145,7 @@ void PlayabilityMapObject::finish(std::span<const double> nodes) {
 
 void PlayabilityMapObject::draw(Host& host) {
   if (total_ == 0)
-    return host.error("draw: no map yet; send compute");
+    return host.error("draw: no map is computed: send compute first");
   sent_ = 0;
   drawing_ = true;
   host.send(2, {"cells", static_cast<double>(columns_), static_cast<double>(rows_)});
@@ -216,7 +216,8 @@ void PlayabilityMapObject::read(std::span<const Atom> words, Host& host) {
     return host.error(refusal("read", words, "the name of a file"));
   const std::string path = host.find_file(words[0].word);
   if (path.empty())
-    return host.error("read: cannot find " + std::string(words[0].word));
+    return host.error("read " + std::string(words[0].word) +
+                      ": file not found beside the patch or in the search path");
   if (const std::string problem = store_.read(path); !problem.empty())
     host.error(problem);
 }

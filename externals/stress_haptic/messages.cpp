@@ -18,7 +18,7 @@ std::vector<double> numbers_of(std::string_view message, std::span<const Atom> a
     if (atom.is_word || !(std::abs(atom.number) <= kMaxPosition_mm)) {
       host.error(std::string(message) + ": '" +
                  (atom.is_word ? std::string(atom.word) : number_text(atom.number)) +
-                 "': expected numbers within -1e+06..1e+06");
+                 "': expected numbers in -1e+06..1e+06");
       return {};
     }
     numbers.push_back(atom.number);
@@ -78,7 +78,7 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
 
 bool StressHaptic::has_table(std::string_view message, Host& host) const {
   if (!table_)
-    host.error(std::string(message) + ": no table is loaded: expected load FILE first");
+    host.error(std::string(message) + ": no table is loaded: send load FILE first");
   return table_ != nullptr;
 }
 
@@ -140,7 +140,7 @@ void StressHaptic::grab(std::span<const Atom> arguments, Host& host) {
     return;
   if (numbers.size() == 2 && numbers[1] != 0 && numbers[1] != 1)
     return host.error("grab: " + number_text(numbers[1]) +
-                      ": expected 1 to take the control point or 0 to let it go");
+                      ": expected 1 to grab the control point or 0 to release it");
   if (numbers.size() == 2 && numbers[1] == 0) {
     if (request_.control_point == static_cast<int>(*point))
       release(host);
@@ -189,10 +189,10 @@ void StressHaptic::set_gains(std::span<const Atom> arguments, Host& host) {
   if (const double k = std::max(numbers[0], numbers[1]); k > stiffness_limit())
     host.error("gains: " + number_text(k) + " N/m: expected at most " +
                number_text(stiffness_limit()) +
-               ", share times nominal stiffness of the device; it is cut to that");
+               ", the device's nominal stiffness times share; limited to that");
   else if (const double b = std::max(numbers[2], numbers[3]); b > device_.damping_n_s_per_m)
     host.error("gains: " + number_text(b) + " N s/m: expected at most " +
-               number_text(device_.damping_n_s_per_m) + ", the limit damping; it is cut to that");
+               number_text(device_.damping_n_s_per_m) + ", the limit damping; limited to that");
   if (host_)
     collect(host);
 }

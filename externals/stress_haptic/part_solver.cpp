@@ -55,7 +55,7 @@ void PartSolver::launch() {
   if (program.empty())
     return mark_lost(
         "the program " + (options_.program.empty() ? kProgram : options_.program) +
-        " was not found: expected it beside stress_haptic, in PATH, or by solver PATH");
+        " was not found: expected beside stress_haptic or in PATH; else send solver with its path");
   std::string refusal;
   child_ = ServedProgram::start(
       {program, "serve", options_.path, "--tolerance", number_text(kTolerance)}, kProgram,
@@ -140,7 +140,7 @@ void PartSolver::advance() {
     try {
       take(message->kind, message->payload);
     } catch (const std::bad_alloc&) {
-      mark_lost("there is not enough memory for the solver's answer");
+      mark_lost("not enough memory for the solver's answer");
     }
 }
 
@@ -152,7 +152,7 @@ void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
   const std::string sentence = printable_line(
       std::string_view(reinterpret_cast<const char*>(payload.data()), payload.size()));
   if (state_ != State::kSolving)
-    return mark_lost("the solver refuses the part: " + sentence);
+    return mark_lost("the solver refused the part: " + sentence);
   state_ = State::kReady;
   result_ = Result{};
   result_->refusal = sentence;
@@ -168,7 +168,7 @@ void PartSolver::take_ready(std::span<const std::byte> payload) {
                      std::to_string(table.parameters.size()));
   for (const double cost : {ready.product_s, ready.solve_s, ready.factor_s})
     if (!(cost >= 0 && cost < 1e5))
-      return mark_lost("the solver says that an operation takes " + number_text(cost) +
+      return mark_lost("the solver reports a cost of " + number_text(cost) +
                        " s: expected 0..100000 s");
   costs_ = {ready.product_s, ready.solve_s, ready.factor_s};
   state_ = State::kChecking;
@@ -209,14 +209,13 @@ void PartSolver::take_answer(std::span<const std::byte> payload) {
                              std::all_of(base->displacement_m.begin(), base->displacement_m.end(),
                                          [](double x) { return std::isfinite(x); });
   if (!is_consistent)
-    return mark_lost("the solver's answer holds numbers that cannot be (method " +
+    return mark_lost("the solver sent impossible numbers and was stopped (method " +
                      std::to_string(fixed.method) + ", " + std::to_string(fixed.iterations) +
-                     " iterations, " + number_text(fixed.seconds) + " s), and it was ended");
+                     " iterations, " + number_text(fixed.seconds) + " s)");
   if (state_ == State::kChecking) {
     if (!is_initial_base(*base))
-      return mark_lost(
-          "the solver finds another stress at the table's own shape than the table holds: "
-          "expected the file that part_stress wrote, unchanged");
+      return mark_lost("the solver's stress at the table's own shape differs from the table's: "
+                       "expected the unchanged file that part_stress wrote");
     state_ = State::kReady;
     return;
   }

@@ -48,21 +48,21 @@ void StressHaptic::resolve_changed() {
 
 void StressHaptic::warn_about_state(Host& host) const {
   if (table_ && request_.settings.state == State::kShear && !table_->has_shear())
-    host.error("state shear: the table has no arrays shear0 and S_shear: expected vonmises, which "
-               "is used");
+    host.error("state shear: the table has no arrays shear0 and S_shear; "
+               "using vonmises");
 }
 
 void StressHaptic::warn_about_weights(Host& host) const {
   if (table_ && request_.settings.weights == Weights::kVolume && table_->weight.empty())
-    host.error("weights volume: the table has no array weights: expected uniform, which is used");
+    host.error("weights volume: the table has no array weights; using uniform");
 }
 
 void StressHaptic::warn_about_resolve(Host& host) const {
   const Resolve resolve = request_.resolve;
   if (table_ && !can_solve_ && (resolve == Resolve::kPcg || resolve == Resolve::kFull))
     host.error("resolve " + std::string(Rows::resolves[static_cast<std::size_t>(resolve)]) +
-               ": no solver for a table without its mesh: expected one of part_stress, or resolve "
-               "auto or taylor; Taylor's series goes on");
+               ": the table has no mesh to solve: expected a table of part_stress, or resolve "
+               "auto or taylor; using the Taylor series");
 }
 
 void StressHaptic::created(Host& host) {
@@ -86,7 +86,7 @@ void StressHaptic::load(const Atom& name, Host& host) {
     path = host.find_file(std::string(name.word) + ".stress.npz");
   if (path.empty())
     return host.error("load " + std::string(name.word) +
-                      ": there is no such file beside the patch or in the search path");
+                      ": file not found beside the patch or in the search path");
   request_.path = path;
   request_.name = name.word;
   ++request_.load;
@@ -102,8 +102,8 @@ void StressHaptic::set_solver(const Atom& program, Host& host) {
     path = host.find_file(program.word);
     if (path.empty() || find_part_stress(path).empty())
       return host.error("solver " + std::string(program.word) +
-                        ": there is no such program beside the patch or in the search path that "
-                        "may be run: expected the path of part_stress");
+                        ": no executable file found beside the patch or in the search path: "
+                        "expected the path of part_stress");
   }
   request_.program = path;
   ++request_.set_solver;
@@ -141,8 +141,8 @@ void StressHaptic::request(Host& host) {
     if (reason.empty())
       return;
     threaded_ = false;
-    host.error("no thread starts for the stress (" + reason +
-               "); it is computed in the host's time, which the audio may miss");
+    host.error("cannot start a thread for the stress (" + reason +
+               "); it is computed in the host's thread, which may interrupt the audio");
   } else {
     worker_.request_here(request_);
   }

@@ -2,8 +2,8 @@
 
 #include "core/haptic/chain/velocity.hpp"
 #include "core/rows.hpp"
-#include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
+#include "core/stress/vector_ramp.hpp"
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include <array>
@@ -107,7 +107,7 @@ private:
   bool threaded_ = false;
   SessionResult result_;
   RenderGains gains_{0, 400, 0, 4};
-  LinearGlide gamma_{}, anchor_{};
+  VectorRamp gamma_{}, anchor_{};
   bool anchored_ = false;     ///< else the first position becomes the anchor
   bool has_position_ = false; ///< the handle has sent a position
   Vec3 position_m_{}, velocity_m_per_s_{};

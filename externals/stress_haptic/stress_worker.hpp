@@ -30,7 +30,7 @@ public:
     SessionResult result;   ///< empty until a table is loaded
   };
   static constexpr const char* kOutOfMemory =
-      "not enough memory for the stress; the last value stays";
+      "not enough memory for the stress; the last value is kept";
   /// Makes the solver of a part; null if there is none.
   using SolverFactory = std::function<std::unique_ptr<Reanalysis>(SolverOptions options)>;
 

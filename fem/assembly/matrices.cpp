@@ -205,7 +205,8 @@ Matrices assemble(const Mesh& mesh, std::span<const Material> materials,
   }
   for (const Support& support : supports) {
     if (support.nodes.empty())
-      throw InputError("support " + support.name + " holds no node: expected a place on the body");
+      throw InputError("support " + support.name +
+                       " selects no node: expected a region of the body");
     const double share = support.stiffness_n_per_m / static_cast<double>(support.nodes.size());
     for (const int node : support.nodes) {
       const std::size_t diagonal = matrices.graph.find(node, node);

@@ -14,9 +14,9 @@ std::vector<double> eigenvalue_sensitivity(const Mesh& mesh, std::span<const Mat
   const auto& [frequency_hz, shapes, count, same] = modes;
   const std::size_t n = mesh.dofs(), given = frequency_hz.size();
   if (count > given || shapes.size() != n * given)
-    throw InputError("derivatives of " + std::to_string(count) + " modes are asked for, " +
-                     std::to_string(given) + " frequencies and " +
-                     std::to_string(shapes.size() / n) + " shapes are given");
+    throw InputError("derivatives of " + std::to_string(count) +
+                     " modes: expected as many frequencies and shapes, got " +
+                     std::to_string(given) + " and " + std::to_string(shapes.size() / n));
   const auto laws = elastic_laws(mesh, materials);
   StaticModel springs_alone;
   springs_alone.materials = {materials.begin(), materials.end()};
@@ -30,8 +30,9 @@ std::vector<double> eigenvalue_sensitivity(const Mesh& mesh, std::span<const Mat
       ++end;
     if (end == given)
       throw InputError("mode " + std::to_string(first + 1) +
-                       " may belong to a group that goes on beyond the " + std::to_string(given) +
-                       " modes given: give at least one more of another frequency");
+                       " may belong to a group of equal frequencies beyond the " +
+                       std::to_string(given) +
+                       " modes given: expected at least one more mode of another frequency");
     const std::size_t size = end - first;
     double lambda = 0;
     for (std::size_t k = first; k < end; ++k) {

@@ -114,7 +114,7 @@ ControlWeights import_weights(const Mesh& mesh, std::vector<Vec3> control_points
                               std::span<const double> dense) {
   const std::size_t controls = control_points.size(), nodes = mesh.nodes.size();
   if (controls == 0 || dense.size() != controls * nodes)
-    throw InputError("the weights are " + std::to_string(dense.size()) + " numbers, expected " +
+    throw InputError("the weights have " + std::to_string(dense.size()) + " numbers, expected " +
                      std::to_string(nodes) + " nodes times " + std::to_string(controls) +
                      " control points");
   ControlWeights weights{std::move(control_points), {0}, {}, {}};
@@ -186,7 +186,7 @@ std::vector<Vec3> moved_nodes(std::span<const Vec3> nodes,
   std::vector<Vec3> moved(nodes.begin(), nodes.end());
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     if (!std::isfinite(parameters[k]))
-      throw InputError("parameter " + velocities[k].name + " is no number, expected metres");
+      throw InputError("parameter " + velocities[k].name + ": not a finite number");
     for (std::size_t i = 0; parameters[k] != 0 && i < velocities[k].node.size(); ++i)
       moved[static_cast<std::size_t>(velocities[k].node[i])] +=
           parameters[k] * velocities[k].velocity[i];

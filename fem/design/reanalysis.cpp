@@ -209,7 +209,7 @@ StressUpdate Reanalysis::taylor() const {
   update.max_shear = impl_->base_max_shear;
   const std::size_t elements = update.von_mises.size();
   if (impl_->sensitivity.von_mises.size() != impl_->velocities.size() * elements)
-    throw InputError("the Taylor update needs sensitivities, which were not asked for");
+    throw InputError("the Taylor update needs sensitivities, which were not requested");
   for (std::size_t k = 0; k < impl_->parameters.size(); ++k) {
     const double step = impl_->parameters[k] - impl_->base_parameters[k];
     if (step == 0)
@@ -285,7 +285,7 @@ Refactorisation Reanalysis::refactorisation() {
 
 void Reanalysis::adopt(Refactorisation job) {
   if (!job.impl_ || !job.impl_->done || job.impl_->nodes.size() != impl_->mesh.nodes.size())
-    throw InputError("a factor that has not run, or of another part, cannot be taken");
+    throw InputError("the factorisation is not finished or belongs to another part");
   impl_->take_factor(std::move(job.impl_->factor), std::move(job.impl_->nodes));
 }
 

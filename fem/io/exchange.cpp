@@ -210,11 +210,11 @@ std::vector<std::vector<double>> read_vectors(const std::string& path) {
   std::vector<std::vector<double>> vectors;
   for (std::size_t at = 0; at < bytes.size();) {
     if (bytes.size() - at < 8 || big(at, 4) != kVectorClass)
-      throw InputError(path + " holds no PETSc vector at byte " + std::to_string(at));
+      throw InputError(path + " has no PETSc vector at byte " + std::to_string(at));
     const std::size_t size = big(at + 4, 4);
     at += 8;
     if (size > (bytes.size() - at) / 8)
-      throw InputError(path + " ends in the middle of a vector");
+      throw InputError(path + " is damaged: it ends within a vector");
     std::vector<double>& vector = vectors.emplace_back(size);
     for (double& x : vector) {
       x = std::bit_cast<double>(big(at, 8));
@@ -246,11 +246,12 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
     order[i] = i;
     if (vectors[i].size() != n)
       throw InputError(vectors_path + ": vector " + std::to_string(i + 1) + " has " +
-                       std::to_string(vectors[i].size()) + " entries, the mesh " +
-                       std::to_string(n));
+                       std::to_string(vectors[i].size()) + " entries, expected " +
+                       std::to_string(n) + " for the mesh");
     for (const double x : vectors[i])
       if (!std::isfinite(x))
-        throw InputError(vectors_path + ": vector " + std::to_string(i + 1) + " holds no number");
+        throw InputError(vectors_path + ": vector " + std::to_string(i + 1) +
+                         ": not a finite number");
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return values[0][a] < values[0][b]; });
@@ -268,7 +269,7 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
   make_canonical(mesh, modes);
   const double residual = *std::max_element(modes.residual.begin(), modes.residual.end());
   if (residual > 1e-3)
-    throw InputError("the imported vectors are no modes of this body: residual " +
+    throw InputError("the imported vectors are not modes of this body: residual " +
                      format("%.2g", residual) + ", expected below 0.001");
   return modes;
 }

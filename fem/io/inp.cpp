@@ -174,22 +174,22 @@ private:
     if (known == blocks().end())
       lines_.refuse(
           keyword_.words +
-              " is not read: expected nodes, elements, sets, materials, *SOLID SECTION, *PART "
+              " is not supported: expected nodes, elements, sets, materials, *SOLID SECTION, *PART "
               "and *INSTANCE, in one file without *INCLUDE",
           keyword_.line);
     block_ = &known->second;
     for (const auto& [name, value] : keyword_.parameters)
       if (std::find(block_->parameters.begin(), block_->parameters.end(), name) ==
           block_->parameters.end())
-        lines_.refuse(keyword_.words + ": " + printable(name, 40) + " is not read", keyword_.line);
+        lines_.refuse(keyword_.words + ": " + printable(name, 40) + " is not supported",
+                      keyword_.line);
     if (placing_ && keyword_.name != "endinstance")
-      lines_.refuse(keyword_.words + " in *INSTANCE: expected its placement alone", keyword_.line);
+      lines_.refuse(keyword_.words + " in *INSTANCE: expected only its placement", keyword_.line);
     within_ = scope_;
     if (keyword_.has("instance")) {
       const auto named = instances_.find(lower(keyword_.value("instance")));
       if (named == instances_.end())
-        lines_.refuse("no instance before it is called " +
-                          printable(keyword_.value("instance"), 60),
+        lines_.refuse("unknown instance " + printable(keyword_.value("instance"), 60),
                       keyword_.line);
       within_ = &named->second;
     }
@@ -286,7 +286,7 @@ private:
   [[nodiscard]] int id(const std::string& cell) const {
     const auto value = to_number<int>(cell);
     if (!value)
-      lines_.refuse(printable(cell, 60) + " is no number");
+      lines_.refuse(printable(cell, 60) + " is not an integer");
     return *value;
   }
 
@@ -420,7 +420,7 @@ private:
   [[nodiscard]] std::vector<int> members_of(const InpSets& sets, const std::string& name) const {
     const auto at = sets.find(lower(within_->prefix + name));
     if (at == sets.end())
-      lines_.refuse("no set before it is called " + printable(name, 60));
+      lines_.refuse("unknown set " + printable(name, 60));
     return at->second.members;
   }
   /// A line with a range or a set's name is short, so without a limit a small file could request
@@ -428,9 +428,8 @@ private:
   void limit_sets(std::size_t added) {
     in_sets_ += added;
     if (in_sets_ > 1000 + 100 * mesh_.nodes.size())
-      lines_.refuse(std::to_string(in_sets_) + " entries in sets, expected " +
-                    std::to_string(1000 + 100 * mesh_.nodes.size()) +
-                    " at most (a hundred for each node)");
+      lines_.refuse(std::to_string(in_sets_) + " entries in sets, expected at most " +
+                    std::to_string(1000 + 100 * mesh_.nodes.size()) + " (a hundred for each node)");
   }
 
   void begin_material() { materials_.begin_material(keyword_); }
@@ -457,16 +456,16 @@ private:
     for (const InpMaterials::Section& section : materials_.sections()) {
       const auto set = element_sets_.find(lower(section.elements));
       if (set == element_sets_.end())
-        lines_.refuse("no element set is called " + printable(section.elements, 60), section.line);
+        lines_.refuse("unknown element set " + printable(section.elements, 60), section.line);
       for (const int e : set->second.members) {
         if (e < 0)
-          lines_.refuse("the section of elements without volume, expected C3D elements in " +
+          lines_.refuse("a section of elements without volume, expected C3D elements in " +
                             section.elements,
                         section.line);
         int& of = sections[static_cast<std::size_t>(e)];
         if (of >= 0 && of != number)
           lines_.refuse("element " + std::to_string(elements_[static_cast<std::size_t>(e)].number) +
-                            " has a section already",
+                            " already has a section",
                         section.line);
         of = number;
       }
@@ -539,15 +538,15 @@ private:
                     ? format("loss factor %g", m->loss_factor)
                     : format("damping %g 1/s and %g s", m->rayleigh_a, m->rayleigh_b)));
     for (const auto& [type, flat] : flat_)
-      notify(format("%d elements of %s (line %d) have no volume and are left out", flat.count,
+      notify(format("%d elements of %s (line %d) have no volume and are ignored", flat.count,
                     flat.words.c_str(), flat.line));
     for (const std::string& part : unused_parts_)
-      notify("part " + printable(part, 60) + " has no *INSTANCE and is left out");
+      notify("part " + printable(part, 60) + " has no *INSTANCE and is ignored");
     std::string names;
     for (const auto& [name, at] : passed_over_)
       names += (names.empty() ? "" : ", ") + at.words + " (line " + std::to_string(at.line) + ")";
     if (!names.empty())
-      notify("not read of the file, as options say how the body is held and loaded: " + names);
+      notify("ignored in the file, since options set supports and loads: " + names);
   }
 
   struct Numbered {

@@ -125,7 +125,7 @@ double InpLines::number(const std::string& cell) const {
       text.begin(), text.end(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
   const auto value = to_number(text);
   if (!value)
-    refuse(printable(cell, 60) + " is no number");
+    refuse(printable(cell, 60) + ": not a finite number");
   return *value;
 }
 

@@ -107,7 +107,7 @@ void InpMaterials::add_elastic() {
     m.shear_pa = {modulus(8), modulus(7), modulus(6)};
     if (!(m.young_pa[0] > 0 && m.young_pa[1] > 0 && m.young_pa[2] > 0))
       lines_.refuse("the elastic constants of " + m.name +
-                    " would release energy, expected a positive definite matrix");
+                    " are unstable, expected a positive definite matrix");
   }
   definition.elastic = true;
 }
@@ -176,7 +176,7 @@ void InpMaterials::add_thickness() {
 Material InpMaterials::material_of(const Section& section) const {
   const auto at = materials_.find(lower(section.material));
   if (at == materials_.end())
-    lines_.refuse("no material is called " + printable(section.material, 60), section.line);
+    lines_.refuse("unknown material " + printable(section.material, 60), section.line);
   if (!at->second.elastic)
     lines_.refuse("material " + at->second.material.name + " has no *ELASTIC", at->second.line);
   Material material = at->second.material;
@@ -186,7 +186,7 @@ Material InpMaterials::material_of(const Section& section) const {
     return material;
   const auto axes = orientations_.find(lower(section.orientation));
   if (axes == orientations_.end())
-    lines_.refuse("no orientation is called " + printable(section.orientation, 60), section.line);
+    lines_.refuse("unknown orientation " + printable(section.orientation, 60), section.line);
   material.axis_1 = axes->second[0];
   material.axis_2 = axes->second[1];
   return material;

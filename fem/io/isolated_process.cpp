@@ -107,7 +107,7 @@ void send_text(Kind kind, const std::string& text) noexcept {
   } catch (const std::exception& error) {
     send_text(Kind::refusal, error.what());
   } catch (...) {
-    send_text(Kind::refusal, "the reader failed and gave no reason");
+    send_text(Kind::refusal, "the reader failed: unknown error");
   }
   _exit(0); // without flushing or destroying the parent's objects a second time
 }
@@ -189,17 +189,17 @@ private:
 const char* name_of(int signal_number) {
   switch (signal_number) {
   case SIGSEGV:
-    return "a memory access outside its own";
+    return "an invalid memory access";
   case SIGBUS:
-    return "a memory access outside a file";
+    return "a memory access beyond a file's end";
   case SIGFPE:
     return "a division by zero";
   case SIGILL:
-    return "an instruction that does not exist";
+    return "an invalid instruction";
   case SIGABRT:
-    return "a failed check of its own";
+    return "a failed internal check";
   case SIGSYS:
-    return "a system call it may not make";
+    return "a forbidden system call";
   default:
     return "a signal";
   }
@@ -215,39 +215,40 @@ public:
 
   [[nodiscard]] InputError memory() const {
     return InputError(
-        file_ + ": reading and meshing ran out of the " +
+        file_ + ": reading and meshing need more than " +
         printable_value(1e-9 * static_cast<double>(limits_.memory_bytes)) +
-        " GB allowed; take a coarser mesh (--h), allow more (--memory), or the file is "
+        " GB: use a coarser mesh (--h) or allow more memory (--memory); else the file is "
         "damaged");
   }
   [[nodiscard]] InputError silence() const {
     return InputError(file_ + ": reading and meshing made no progress in " +
                       format("%.5g", limits_.progress_timeout_s) +
-                      " s and was stopped; take a coarser mesh (--h), wait longer (--time-limit "
-                      "SECONDS), or the file is damaged");
+                      " s and were stopped: use a coarser mesh (--h) or wait longer (--time-limit "
+                      "SECONDS); else the file is damaged");
   }
   [[nodiscard]] InputError damaged() const {
-    return InputError(file_ + ": the reader's process sent no readable answer");
+    return InputError(file_ + ": the reader process sent an invalid answer");
   }
   [[nodiscard]] InputError death(int status, std::uint64_t peak) const {
     if (!WIFSIGNALED(status))
       return InputError(file_ + ": the reader ended without an answer (status " +
                         std::to_string(WEXITSTATUS(status)) +
-                        "); the file is damaged or beyond it: export it again");
+                        "); the file is damaged or not supported: export it again");
     const int signal_number = WTERMSIG(status);
     if (signal_number == SIGXCPU)
       return silence();
     if (signal_number == SIGINT || signal_number == SIGTERM)
       return InputError(file_ + ": reading was interrupted");
     if (signal_number == SIGKILL)
-      return InputError(file_ +
-                        ": the system ended the reader, most likely for memory; take a coarser "
-                        "mesh (--h)");
+      return InputError(
+          file_ + ": the system stopped the reader, probably for lack of memory: use a coarser "
+                  "mesh (--h)");
     if (static_cast<double>(peak) > .7 * static_cast<double>(limits_.memory_bytes))
       return memory(); // the CAD kernel does not check its allocations
-    return InputError(file_ + ": the reader crashed (" + name_of(signal_number) +
-                      "); the file is damaged or beyond it: repair it, or export it again from the "
-                      "program that made it");
+    return InputError(
+        file_ + ": the reader crashed (" + name_of(signal_number) +
+        "); the file is damaged or not supported: repair it, or export it again from the "
+        "program that made it");
   }
 
 private:

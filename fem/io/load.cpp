@@ -35,7 +35,7 @@ Mesh load_in_process(const std::string& path, const std::string& ending, const L
 void check_options(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const bool surface = ending == ".stl" || ending == ".obj";
   const auto refuse = [&](const char* option, const char* kinds) {
-    throw InputError(std::string(option) + " is for " + kinds + " bodies, not for " + path);
+    throw InputError(std::string(option) + " applies to " + kinds + " bodies, not to " + path);
   };
   if (choice.fillet > 0 && !is_cad(ending))
     refuse("--fillet", ".step and .brep");
@@ -46,7 +46,7 @@ void check_options(const std::string& path, const std::string& ending, const Loa
   if (!choice.part.empty() && is_volume_mesh(path))
     refuse("--only", ".step, .brep, .stl and .obj");
   if (choice.h > 0 && is_volume_mesh(path) && choice.notify)
-    choice.notify("warning: --h changes nothing, as " + path + " is a mesh already");
+    choice.notify("warning: --h has no effect, since " + path + " is already a mesh");
 }
 
 } // namespace

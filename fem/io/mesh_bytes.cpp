@@ -80,7 +80,7 @@ public:
 
 private:
   [[noreturn]] static void fail() {
-    throw InputError("the mesh that came back from the mesher's process is damaged");
+    throw InputError("the mesh from the mesher process is damaged");
   }
   std::string_view bytes_;
 };

@@ -110,7 +110,7 @@ Mesh read_msh(const std::string& path, double unit,
               const std::function<void(const std::string&)>& notify) {
   const MshSections file = read_msh_sections(path, read_bytes(path));
   if (notify && !file.passed_over.empty())
-    notify("not read of the file: " + file.passed_over);
+    notify("ignored in the file: " + file.passed_over);
   const std::vector<int> nodes = resolve(path, file);
   Mesh mesh;
   mesh.regions.clear();

@@ -28,7 +28,7 @@ void check(const std::string& path, const VtuField& field, std::size_t count,
                             field.values.size(), field.components, count, location));
   for (const double value : field.values)
     if (!std::isfinite(value))
-      throw InputError(path + ": field " + field.name + " holds a value that is no finite number");
+      throw InputError(path + ": field " + field.name + ": not a finite number");
 }
 
 void write_field(SafeFile& file, const VtuField& field) {

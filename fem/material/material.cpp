@@ -67,18 +67,18 @@ ElasticMatrix elastic_matrix(const Material& m) {
     throw InputError("material " + m.name + ": " + what);
   };
   if (!(m.density > 0))
-    refuse("density is " + std::to_string(m.density) + " kg/m^3, expected above 0");
+    refuse("density " + std::to_string(m.density) + " kg/m^3: expected above 0");
   if (!(m.young_pa[0] > 0))
-    refuse("Young's modulus is " + std::to_string(m.young_pa[0]) + " Pa, expected above 0");
+    refuse("Young's modulus " + std::to_string(m.young_pa[0]) + " Pa: expected above 0");
   if (m.isotropic() && !(m.poisson[0] > -1 && m.poisson[0] < .5))
-    refuse("Poisson's ratio is " + std::to_string(m.poisson[0]) + ", expected within -1 and 0.5");
+    refuse("Poisson's ratio " + std::to_string(m.poisson[0]) + ": expected between -1 and 0.5");
   const std::vector<double> s = compliance(m);
   std::vector<double> c(36, 0.0); // the identity, overwritten by the inverse of the compliance
   for (std::size_t i = 0; i < 6; ++i)
     c[7 * i] = 1;
   if (!std::all_of(s.begin(), s.end(), [](double x) { return std::isfinite(x); }) ||
       !solve_positive_definite(s, c, 6))
-    refuse("its elastic constants would release energy, expected a positive definite matrix");
+    refuse("its elastic constants are unstable, expected a positive definite matrix");
   const Vec3 one = (1 / length(m.axis_1)) * m.axis_1;
   const Vec3 normal = cross(one, m.axis_2);
   if (!(length(normal) > 1e-6 * length(m.axis_2)))
@@ -104,7 +104,7 @@ std::vector<Material> read_materials(const std::string& csv) {
       const auto v = to_number(cell[i]);
       if (!v)
         throw InputError("materials.csv line " + std::to_string(number) + ": " + cell[i] +
-                         " is no number");
+                         ": not a finite number");
       return *v;
     };
     Material m;
@@ -134,7 +134,7 @@ Material find_material(const std::string& name) {
       return m;
     names += (names.empty() ? "" : ", ") + m.name;
   }
-  throw InputError("material " + name + " is not known: expected one of " + names);
+  throw InputError("material " + name + ": expected one of " + names);
 }
 
 } // namespace tactus::fem

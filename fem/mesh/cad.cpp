@@ -57,7 +57,7 @@ constexpr double kMaxSolidVolumeChange = .01; ///< of the mesh against the solid
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
                               double radius) {
   if (volumes.size() != 1)
-    throw InputError("--fillet rounds the edges of one solid, the file holds " +
+    throw InputError("--fillet rounds the edges of one solid, the file has " +
                      std::to_string(volumes.size()));
   if (concave.empty())
     throw InputError("--fillet: the body has no concave edge to round");
@@ -155,8 +155,8 @@ struct Attempt {
   int algorithm; ///< gmsh's for faces: 6 Frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
 };
 constexpr Attempt kAttempts[]{{"", false, 1, 6},
-                              {" with its small edges mended", true, 1, 6},
-                              {" in smaller elements", false, .6, 5},
+                              {" with small edges repaired", true, 1, 6},
+                              {" with smaller elements", false, .6, 5},
                               {" with adapted faces", true, .8, 1}};
 
 /// Metres per unit of the imported model: a STEP file contains its unit and is imported in
@@ -174,7 +174,7 @@ public:
     if (choice.notify)
       notify_ = choice.notify;
     if (choice.unit > 0 && choice.unit != unit_)
-      notify_("a STEP file says its own unit of length: --unit is that of the options alone");
+      notify_("a STEP file states its own unit of length: --unit applies only to the options");
   }
 
   /// Tries each attempt in turn; for a single body the skin's triangles are filled before finer
@@ -300,11 +300,11 @@ private:
       report_faces(unit_, notify_);
     check(mesh);
     if (choice_.sizes && !choice_.sizes->straight && has_straight_sides(mesh))
-      throw InputError(path_ + ": curved sides turn inside out on a finer mesh");
+      throw InputError(path_ + ": curved edges invert elements on a finer mesh");
     const double whole = unit_ * unit_ * unit_ * volume_of(volumes_of_model());
     if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxSolidVolumeChange)
       throw InputError(
-          path_ + format(": the mesh has %+.2f %% of the solid's volume too much", 100 * change));
+          path_ + format(": the mesh's volume differs by %+.2f %% from the solid's", 100 * change));
     return mesh;
   }
 
@@ -312,7 +312,7 @@ private:
   [[nodiscard]] Mesh mesh_facets() {
     session_.reset(); // filling the surface uses its own session
     notify_(reason_);
-    notify_("the solids' faces are taken as triangles, and as one region");
+    notify_("the solids' faces are converted to triangles, in one region");
     return mesh_soup(skin_, choice_);
   }
   [[nodiscard]] std::optional<Mesh> try_facets() {
@@ -332,7 +332,7 @@ private:
     if (!facets_reason_.empty())
       throw InputError(reason_ + "; as triangles: " + facets_reason_);
     if (skin_.triangles.empty())
-      throw InputError(reason_ + "; give another --h, or export it as STL");
+      throw InputError(reason_ + "; use another --h, or export it as STL");
     try {
       return mesh_facets();
     } catch (const TooLarge&) {

@@ -60,8 +60,8 @@ std::string without_solid(double unit) {
   gmsh::model::getEntities(faces, 2);
   gmsh::model::getEntities(curves, 1);
   if (faces.empty())
-    return curves.empty() ? "it holds no shape"
-                          : "it holds " + std::to_string(curves.size()) + " curves and no face";
+    return curves.empty() ? "it has no shape"
+                          : "it has " + std::to_string(curves.size()) + " curves and no face";
   double longest = 0;
   std::size_t open = 0;
   Box at;
@@ -78,9 +78,10 @@ std::string without_solid(double unit) {
       }
     }
   }
-  const std::string what = "it holds " + std::to_string(faces.size()) + " faces that close no body";
+  const std::string what =
+      "it has " + std::to_string(faces.size()) + " faces that enclose no volume";
   return open == 0 ? what
-                   : what + "; " + std::to_string(open) + " edges have one face only, the longest" +
+                   : what + "; " + std::to_string(open) + " edges have only one face, the longest" +
                          near_position(.5 * unit * (at.low + at.high));
 }
 
@@ -230,14 +231,14 @@ private:
         }) ||
         (gmsh::model::getEntities(shapes), shapes.empty()))
       throw InputError(path_ +
-                       " cannot be read by the CAD kernel (Open CASCADE): is it damaged or of "
-                       "another format? save it again as STEP, or as STL");
+                       " cannot be read by the CAD kernel (Open CASCADE): it is damaged or has "
+                       "another format; save it again as STEP, or as STL");
   }
 
   void sew_faces() const {
     const std::string reason = without_solid(unit_);
     if (!sew(largest_))
-      throw InputError(path_ + " holds no solid: " + reason +
+      throw InputError(path_ + " has no solid: " + reason +
                        "; expected a solid or faces that can be sewn into one: close it in a CAD "
                        "program, or export it as STL for --shrink-wrap");
     notify_("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
@@ -285,8 +286,8 @@ private:
     if (!joined)
       throw InputError(
           path_ + ": its " + std::to_string(volumes_of_model().size()) +
-          " solids could not be joined where they touch; fuse them in a CAD program, or "
-          "save one alone");
+          " solids could not be joined where they touch: fuse them in a CAD program, or "
+          "save only one");
   }
 
   /// Joins the solids with a tolerance, for the small gaps of CAD systems. Returns whether the last

@@ -90,15 +90,15 @@ public:
       if (std::optional<Mesh> mesh = try_remeshed(size, deviation_factor))
         return std::move(*mesh);
     if (choice_.sizes) // the original triangles do not have the sizes of the refinement
-      throw InputError(reason_.empty() ? "the surface crosses itself in the finer triangles"
+      throw InputError(reason_.empty() ? "the surface with finer triangles crosses itself"
                                        : reason_);
     if (surface_.triangles.size() > kMaxTriangles)
       throw InputError(reason_.empty()
                            ? format("no coarser surface without crossings was found for its "
-                                    "%zu triangles; give a smaller --h",
+                                    "%zu triangles: use a smaller --h",
                                     surface_.triangles.size())
                            : reason_);
-    notify("the triangles are kept as they are");
+    notify("the triangles are not remeshed");
     return fill(surface_);
   }
 
@@ -130,7 +130,7 @@ private:
       even = std::move(thin);
     if (even.triangles.size() > kMaxTriangles || (crossed && !large))
       return std::nullopt;
-    notify(format("%zu triangles remeshed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
+    notify(format("%zu triangles remeshed at %.3g mm: %zu (slivers: %.1f %% before, %.1f %% now)",
                   surface_.triangles.size(), 1e3 * size * target_edge_, even.triangles.size(),
                   100 * slivers_, 100 * share_of_slivers(even, 8)));
     try {

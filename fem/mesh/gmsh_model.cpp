@@ -57,7 +57,7 @@ Mesh import_mesh(double unit, bool face_sets) {
       const GmshElement* const type = gmsh_element(types[t]);
       if (!type || !type->shape)
         throw InputError("element " + std::to_string(elements[t][0]) + " is a " +
-                         (type ? type->name : "type that is not known") +
+                         (type ? type->name : "shape of unknown type") +
                          ", expected tet10, wedge15 or hex20");
       const auto count = static_cast<std::size_t>(type->nodes);
       for (std::size_t e = 0; e < elements[t].size(); ++e) {

@@ -70,10 +70,10 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
     if (count <= 2)
       return;
     if (count % 2 == 1)
-      throw InputError("the surface cannot be told from a wall inside at " +
+      throw InputError("the outer surface cannot be separated from an inner wall at " +
                        triangle_location(t, first->triangle) + ": an edge has " +
                        std::to_string(count) +
-                       " triangles, expected two; --shrink-wrap takes the outer skin");
+                       " triangles, expected two; --shrink-wrap builds the outer skin");
     const Vec3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
     const Vec3 axis = (1 / length(along)) * along;
     Vec3 x, y;

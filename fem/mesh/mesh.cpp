@@ -267,7 +267,7 @@ void check(const Mesh& mesh) {
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const Vec3& p = mesh.nodes[i];
     if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
-      throw InputError("node " + std::to_string(i + 1) + " has a coordinate that is no number");
+      throw InputError("node " + std::to_string(i + 1) + ": coordinate is not a finite number");
   }
   for (std::size_t i = 0; i < mesh.elements.size(); ++i) {
     const Element& e = mesh.elements[i];
@@ -287,7 +287,7 @@ void check(const Mesh& mesh) {
       const Vec3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
       char at[96];
       std::snprintf(at, sizeof at, " near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
-      throw InputError(label + at + " is turned inside out: its Jacobian is " +
+      throw InputError(label + at + " is inverted: its Jacobian is " +
                        std::to_string(min_determinant) + ", expected above 0");
     }
   }

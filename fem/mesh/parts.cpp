@@ -34,7 +34,7 @@ std::size_t part_called(const std::vector<Part>& parts, const std::string& reque
     return static_cast<std::size_t>(*number) - 1;
   std::vector<std::size_t> all(parts.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  throw InputError("--only " + requested_part + ": expected a name or number out of " +
+  throw InputError("--only " + requested_part + ": expected the name or number of one of " +
                    std::to_string(parts.size()) + " separate parts: " + list_of(parts, all));
 }
 
@@ -70,9 +70,9 @@ std::vector<std::size_t> chosen_parts(const std::vector<Part>& parts, const Load
   std::sort(kept.begin(), kept.end());
   report_discarded_parts(parts, left, largest, choice);
   if (kept.size() > 1 && !choice.multi)
-    throw InputError("it holds " + std::to_string(kept.size()) +
+    throw InputError("it has " + std::to_string(kept.size()) +
                      " separate parts, expected one body: " + list_of(parts, kept) +
-                     "; take one with --only NUMBER or NAME, or all as one table with --multi");
+                     "; select one with --only NUMBER or NAME, or all as one table with --multi");
   return kept;
 }
 

@@ -255,13 +255,12 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   constexpr double kMinRadius = 1.5, kMaxRadius = 60;
   const double radius = .5 * gap / spacing; // of the ball, in spacings
   if (radius < kMinRadius)
-    throw InputError(
-        format("--shrink-wrap %.3g mm is too fine for this surface: expected %.3g mm or "
-               "more",
-               1e3 * gap, 1e3 * 2 * kMinRadius * spacing));
+    throw InputError(format("--shrink-wrap %.3g mm is too fine for this surface: expected at least "
+                            "%.3g mm",
+                            1e3 * gap, 1e3 * 2 * kMinRadius * spacing));
   if (radius > kMaxRadius)
     throw InputError(format("--shrink-wrap %.3g mm is too wide for a body of %.3g mm: expected "
-                            "%.3g mm at most",
+                            "at most %.3g mm",
                             1e3 * gap, 1e3 * largest, 1e3 * 2 * kMaxRadius * spacing));
   const int margin = static_cast<int>(std::ceil(radius)) + 3;
   const RayGrid grid(t, spacing, margin);
@@ -299,7 +298,7 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   }
   if (share_of_sheets(grid, inside) > kMaxSheets)
     throw EnclosesNothing(
-        format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; expected more "
+        format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap: expected more "
                "than their widest hole",
                1e3 * gap));
   Resurfaced out = contoured(grid, inside, false);

@@ -65,7 +65,7 @@ void find_shells(Triangles& t) {
     if (last - first > 2)
       throw InputError("the surface crosses itself at " + triangle_location(t, first->triangle) +
                        ": an edge has " + std::to_string(last - first) +
-                       " triangles, expected two; --shrink-wrap takes the outer skin");
+                       " triangles, expected two; --shrink-wrap builds the outer skin");
     if (last - first == 2) {
       across[first[0].triangle][first[0].side] = static_cast<int>(first[1].triangle);
       across[first[1].triangle][first[1].side] = static_cast<int>(first[0].triangle);
@@ -99,7 +99,7 @@ void find_shells(Triangles& t) {
           flipped[j] = flip;
           front.push_back(j);
         } else if (flipped[j] != flip) {
-          throw InputError("the surface has one side only at " + triangle_location(t, j) +
+          throw InputError("the surface has only one side at " + triangle_location(t, j) +
                            ": expected the skin of a solid");
         }
       }

@@ -34,7 +34,7 @@ void close_small_holes(Triangles& t, const Notify& notify) {
           format("; the hole of %zu edges, %.3g mm wide,", h.edges, 1e3 * h.extent) +
           near_position(h.centre) +
           format(" is too large to be closed (limits: %g %% of the skin, %g %% of the length, or "
-                 "one flat opening); close it, give a sheet a thickness, or take --shrink-wrap "
+                 "one flat opening): close it, give a sheet a thickness, or use --shrink-wrap "
                  "SIZE with a SIZE above its width",
                  100 * kHoleArea, 100 * kHoleExtent));
   if (holes.empty())
@@ -46,10 +46,10 @@ void close_small_holes(Triangles& t, const Notify& notify) {
     skin += .5 * length(t.normal(i));
   if (patched > kAllHolesArea * skin)
     throw InputError(
-        format("%zu holes make up %.0f %% of the skin, expected %g %% at most, the largest",
+        format("%zu holes make up %.0f %% of the skin, expected at most %g %%, the largest",
                holes.size(), 100 * patched / skin, 100 * kAllHolesArea) +
         near_position(holes[0].centre) +
-        "; close them, or take --shrink-wrap SIZE with a SIZE above their width");
+        ": close them, or use --shrink-wrap SIZE with a SIZE above their width");
   std::size_t reported = 0;
   for (const Hole& h : holes)
     if (reported++ < 5)
@@ -57,7 +57,7 @@ void close_small_holes(Triangles& t, const Notify& notify) {
                                    : "a hole of %zu edges, %.3g mm wide,",
                     h.edges, 1e3 * h.extent) +
              near_position(h.centre) +
-             (h.flat_opening ? " was closed: the surface is taken as the skin of a solid"
+             (h.flat_opening ? " was closed: the surface is treated as the skin of a solid"
                              : " was closed"));
   if (holes.size() > 5)
     notify(format("%zu smaller holes were closed too", holes.size() - 5));
@@ -72,7 +72,7 @@ void close_small_holes(Triangles& t, const Notify& notify) {
         format("the surface is a sheet: with its open side of %zu edges closed its mean "
                "thickness is %.2g mm, expected %.2g mm or more; the opening is",
                holes[0].edges, 1e3 * wall, 1e3 * kSheet * bounding_box(t.points).largest()) +
-        near_position(holes[0].centre) + "; give it a thickness, or take --shrink-wrap SIZE");
+        near_position(holes[0].centre) + ": give it a thickness, or use --shrink-wrap SIZE");
 }
 
 /// A closed surface without intersections, from one that overlaps, touches or crosses itself.
@@ -81,18 +81,17 @@ Triangles unite(const Triangles& t, const std::string& reason, const Notify& not
     Resurfaced made = united(t, finer);
     if (made.inverted > .02 * made.volume)
       throw InputError(reason +
-                       format(": %.3g %% of its volume is inside out; repair the surface, or "
-                              "take --shrink-wrap SIZE",
+                       format(": %.3g %% of its volume is inverted: repair the surface, or "
+                              "use --shrink-wrap SIZE",
                               100 * made.inverted / made.volume));
     if (std::abs(made.volume_change) > kMaxSkinVolumeChange)
       continue;
-    notify(reason +
-           format(": its outer skin was taken anew at %.3g mm, volume ", 1e3 * made.spacing) +
+    notify(reason + format(": its outer skin was rebuilt at %.3g mm, volume ", 1e3 * made.spacing) +
            percent(made.volume_change));
     return std::move(made.surface);
   }
-  throw InputError(reason + ", and its walls are too thin to take its outer skin anew: expected "
-                            "one closed surface; repair it there, or take --shrink-wrap SIZE");
+  throw InputError(reason + ", and its walls are too thin to rebuild its outer skin: expected "
+                            "one closed surface; repair it there, or use --shrink-wrap SIZE");
 }
 
 /// Shells that cross nothing, cavities inward, for winding numbers.
@@ -119,19 +118,19 @@ Triangles turned_by_nesting(const Triangles& t) {
 Triangles repaired(Triangles t, bool multi, const Notify& notify) {
   const Welded welded = weld(t);
   if (welded.duplicates + welded.split + welded.fins > 0)
-    notify(format(
-        "corners within %.2g mm welded; %zu double, %zu dangling triangles left out, %zu cut "
-        "at corners on their edges",
-        1e3 * welded.tolerance, welded.duplicates, welded.fins, welded.split));
+    notify(format("corners within %.2g mm welded; %zu duplicate and %zu dangling triangles "
+                  "removed, %zu split "
+                  "at corners on their edges",
+                  1e3 * welded.tolerance, welded.duplicates, welded.fins, welded.split));
   find_shells(t);
   close_small_holes(t, notify);
   const double size = bounding_box(t.points).largest();
   if (const std::size_t flat = drop_flat_shells(t, 1e-5 * size))
-    notify(format("%zu flat pieces without volume left out", flat));
+    notify(format("%zu flat pieces without volume removed", flat));
   if (std::all_of(t.shell.begin(), t.shell.end(), [](int s) { return s == 0; }) &&
       !(shell_volumes(t)[0] > 1e-9 * size * size * size))
     throw InputError("the surface encloses no volume: it is flat" + near_position(t.points[0]) +
-                     "; give a sheet a thickness, or take --shrink-wrap SIZE");
+                     ": give a sheet a thickness, or use --shrink-wrap SIZE");
   const auto pair = crossing(t);
   if (pair)
     return unite(turned_by_nesting(t),

@@ -220,7 +220,7 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
   check(mesh);
   if (const double change = volume(mesh) / solid - 1; std::abs(change) > kMaxSweptVolumeChange)
     throw InputError(
-        format("the swept mesh has %+.2f %% of the solid's volume too much", 100 * change));
+        format("the swept mesh's volume differs by %+.2f %% from the solid's", 100 * change));
   return mesh;
 }
 

@@ -260,7 +260,7 @@ Welded weld(Triangles& t) {
         format("the surface encloses no volume: each of its %zu triangles has a partner "
                "or a free edge, the first",
                count) +
-        near_position(first) + "; give a sheet a thickness, or take --shrink-wrap SIZE");
+        near_position(first) + ": give a sheet a thickness, or use --shrink-wrap SIZE");
   make_manifold(t);
   return done;
 }

@@ -137,15 +137,15 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   };
   stage(started + 60 * mesh.nodes_made + 80 * mesh.nodes + 104 * mesh.elements, "meshing");
   if (work.factor_elsewhere) { // both triangles are exported at once
-    stage(assembled + 300 * pairs, "the matrices' export");
-    stage(assembled + 4 * found * vector + lanes, "the modes' import");
+    stage(assembled + 300 * pairs, "exporting the matrices");
+    stage(assembled + 4 * found * vector + lanes, "importing the modes");
   } else {
-    stage(assembled + factorising, "the factor");
+    stage(assembled + factorising, "the factorisation");
     const double projected =
         4 * 8 * basis_columns * basis_columns; // the small eigenproblem and its copies
     stage(assembled + factored + projected +
               std::max(basis_columns + found + 6 * kBlock, 4 * found) * vector + lanes,
-          "the modes' basis");
+          "the basis of the modes");
     if (work.estimated) {
       // Blocks and vectors of an element's enriching functions: 19 in hex20, 7 of them not shared
       // with neighbours, and 10 in tet10, about 3.5 not shared.
@@ -156,13 +156,13 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   }
   stage(assembled + 88 * pairs + 2 * shapes + lanes, "the table");
   if (work.residual)
-    stage(assembled + shapes + factorising + 4 * kBlock * vector,
-          "the compliance beyond the modes");
+    stage(assembled + shapes + factorising + 4 * kBlock * vector, "the residual compliance");
   const double panels = work.acoustic_triangles, unknowns = panels / 2;
   // Some 200 neighbours of a panel are integrated in closed form and kept, 220 bytes each.
   const double air = panels > 0 ? 16 * unknowns * unknowns + 220 * 60 * panels : 0;
   // The skin is coarsened before the air is solved.
-  stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0), "the air around it");
+  stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0),
+        "the air around the body");
 
   add_seconds(cost, work, factor);
   return cost;

@@ -42,7 +42,7 @@ Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size
           integers.data(), &integers_size, &info);
   if (info != 0)
     throw InputError(
-        "the eigenvalues of a small matrix do not converge: is the mesh badly shaped?");
+        "the eigenvalues of a small matrix do not converge: check the mesh for distorted elements");
   return pairs;
 }
 

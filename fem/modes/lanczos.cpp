@@ -227,7 +227,7 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
       lanczos.restart(pairs, std::min(count + 2 * kLanczosBlock, lanczos.width));
     if (blocks > 2000)
       throw InputError("the modes do not converge after " + std::to_string(lanczos.solves) +
-                       " solves: the mesh is badly shaped");
+                       " solves: check the mesh for distorted elements");
   }
   Spectrum spectrum;
   count = std::min(count, lanczos.width);

@@ -141,11 +141,11 @@ void ShiftedFactor::factorise() {
   cholmod_l_factorize(&impl_->matrix, impl_->factor, &impl_->common);
   if (impl_->common.status == CHOLMOD_NOT_POSDEF)
     throw InputError("the stiffness matrix is not positive definite: an element near node " +
-                     std::to_string(impl_->factor->minor / 3 + 1) + " is broken");
+                     std::to_string(impl_->factor->minor / 3 + 1) + " is invalid");
   if (impl_->common.status != CHOLMOD_OK)
     throw InputError("the factor does not fit into memory: " +
                      std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
-                     " MB are needed; take a coarser mesh");
+                     " MB are needed: use a coarser mesh (--h)");
   impl_->matrix.i = impl_->matrix.x = nullptr; // solutions need the size alone
   impl_->row = {};
   impl_->value = {};

@@ -174,8 +174,7 @@ std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow
   int info = 0;
   zgesv_(&size, &right, galerkin.data(), &size, pivots.data(), mu.data(), &size, &info);
   if (info != 0)
-    throw InputError(
-        "the boundary elements have no single solution: is the skin closed and sound?");
+    throw InputError("the boundary element equations are singular: check that the skin is closed");
   return mu;
 }
 

@@ -165,10 +165,9 @@ AcousticModel acoustic_model(const Mesh& mesh, const Modes& modes,
   AcousticSkin coarse = with_triangles(model.fine, settings.triangles);
   model.matrix_bytes = 16.0 * std::pow(static_cast<double>(coarse.vertex.size()), 2);
   if (settings.memory_limit_bytes > 0 && model.matrix_bytes > .8 * settings.memory_limit_bytes)
-    throw InputError(
-        format("the boundary elements need %.0f MB, more than is free: take fewer with "
-               "--acoustic-triangles",
-               model.matrix_bytes / 1e6));
+    throw InputError(format("the boundary elements need %.0f MB, more than is free: use fewer with "
+                            "--acoustic-triangles",
+                            model.matrix_bytes / 1e6));
   set_reference_sphere(model);
   out.triangles = coarse.triangle.size();
   out.resolved_hz = settings.sound_speed / (4 * mean_edge(coarse));
@@ -217,7 +216,7 @@ FoundWaves waves_of_groups(const AcousticModel& model) {
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         settings.notify(
-            format("boundary elements: %zu triangles, %zu unknowns, %.0f MB; about %.0f s ahead",
+            format("boundary elements: %zu triangles, %zu unknowns, %.0f MB; about %.0f s left",
                    model.field->skin().triangle.size(), model.field->unknowns(),
                    model.matrix_bytes / 1e6, std::max(1.0, seconds * (solutions - 1))));
       }

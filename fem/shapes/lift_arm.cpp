@@ -96,8 +96,7 @@ struct Plan {
 
 void require(bool good, const std::string& what, double value, const std::string& expected) {
   if (!good)
-    throw InputError("lift_arm: " + what + format(" is %.4g mm, expected ", 1e3 * value) +
-                     expected);
+    throw InputError("lift_arm: " + what + format(" %.4g mm: expected ", 1e3 * value) + expected);
 }
 
 /// The part of the centreline's band between two angles (first > second), rounded at its ends.
@@ -122,7 +121,7 @@ void add_slots(Plan& plan, const LiftArm& arm) {
     const double first = at[k] - beside(k), second = at[k + 1] + beside(k + 1);
     require(
         first - second > 1e-6, "slot_width", arm.slot_width,
-        std::string("a lightening hole that fits between the bosses (smaller, or 0: none), with "
+        std::string("a lightening hole that fits between the bosses (smaller, or 0 for none) at "
                     "lift_position") +
             format(" %.3g", arm.lift_position));
     plan.slots.push_back(slot_between(plan.centreline, arm.slot_width, first, second));
@@ -134,7 +133,7 @@ void add_slots(Plan& plan, const LiftArm& arm) {
       require(plan.upper.radius - length(high - plan.upper.centre) >= wall + arm.edge_radius &&
                   length(low - plan.lower.centre) - plan.lower.radius >= wall + arm.edge_radius,
               "slot_width", arm.slot_width,
-              "half a web between the lightening holes and the plate's outline");
+              "at least half a web between the lightening holes and the plate's outline");
     }
   }
 }
@@ -150,14 +149,14 @@ void check_dimensions(const LiftArm& arm) {
                                                                {"web", arm.web},
                                                                {"hub bore", arm.hub.bore}}};
   for (const auto& [name, value] : lengths)
-    require(value > 1e-6 && value < 100, name, value, "0.001 to 100 000 mm");
+    require(value > 1e-6 && value < 100, name, value, "0.001..100000 mm");
   require(arm.rise <= arm.length / 2, "rise", arm.rise, "at most half the length");
   require(arm.slot_width >= 0, "slot_width", arm.slot_width, "0 or more");
   require(arm.edge_radius >= 0 && 2 * arm.edge_radius < .9 * arm.thickness, "edge_radius",
-          arm.edge_radius, "0 to 0.45 of the thickness");
+          arm.edge_radius, "0..0.45 of the thickness");
   if (!(arm.lift_position > 0 && arm.lift_position < 1))
     throw InputError(
-        format("lift_arm: lift_position is %.4g, expected between 0 and 1", arm.lift_position));
+        format("lift_arm: lift_position %.4g: expected between 0 and 1", arm.lift_position));
 }
 
 /// The plate's outline, counter-clockwise from where the upper arc touches the hub's end.
@@ -198,20 +197,20 @@ Plan plan_of(const LiftArm& arm) {
     require(b.diameter > b.bore && b.diameter < 100, name + " diameter", b.diameter,
             "more than its bore");
     require(b.width >= arm.thickness + 2.1 * arm.fillet && b.width < 100, name + " width", b.width,
-            format("the plate's thickness and two fillets, %.4g mm or more",
+            format("at least the plate's thickness and two fillets, %.4g mm",
                    1e3 * (arm.thickness + 2.1 * arm.fillet)));
     plan.pins[k] = {kNames[k], centres[k], b.bore / 2, b.width};
     plan.boss_radius[k] = b.diameter / 2;
   }
   require(arm.shoulder >= 1.05 * (arm.fillet + arm.edge_radius), "shoulder", arm.shoulder,
-          format("the fillet and the rounded edge, %.4g mm or more",
+          format("at least the fillet and the rounded edge, %.4g mm",
                  1.05e3 * (arm.fillet + arm.edge_radius)));
   require(arm.slot_width <= 0 || arm.web >= 1.05 * arm.fillet, "web", arm.web,
           "more than the fillet");
   for (std::size_t k = 0; k < 2; ++k)
     require(length(centres[k + 1] - centres[k]) >
                 plan.boss_radius[k] + plan.boss_radius[k + 1] + 2.1 * arm.fillet,
-            "length", arm.length, "bosses and their fillets apart");
+            "length", arm.length, "bosses and fillets that do not overlap");
   plan.hub_end = {hub, plan.boss_radius[0] + arm.shoulder};
   plan.rod_end = {rod, plan.boss_radius[2] + arm.shoulder};
   const Vec3 middle{half, arm.rise, 0}, deep{0, arm.depth / 2, 0};
@@ -219,7 +218,8 @@ Plan plan_of(const LiftArm& arm) {
   plan.lower = touching(plan.hub_end, plan.rod_end, middle - deep, -1);
   require(plan.upper.radius > 0 && plan.lower.radius > 0 && plan.lower.centre.y < 0 &&
               plan.upper.centre.y < 0,
-          "depth", arm.depth, "two arcs that touch the rounded ends: another depth or more rise");
+          "depth", arm.depth,
+          "two arcs that touch the rounded ends: use another depth or more rise");
   const double clear = plan.boss_radius[1] + 1.05 * (arm.fillet + arm.edge_radius);
   require(plan.upper.radius - length(lift - plan.upper.centre) >= clear &&
               length(lift - plan.lower.centre) - plan.lower.radius >= clear,

@@ -276,7 +276,7 @@ Mesh revolve(const Section& section, int sectors) {
     for (std::size_t c = 0; c < 4; ++c)
       touching += on_axis(quad[c]);
     if (touching == 1 || touching > 2)
-      throw InputError("the section touches the axis with a corner alone, expected with a side");
+      throw InputError("the section touches the axis only at a corner, expected along a side");
     if (touching == 2)
       while (!(on_axis(quad[3]) && on_axis(quad[0]))) {
         std::rotate(quad.begin(), quad.begin() + 1, quad.begin() + 4);

@@ -55,10 +55,9 @@ MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> sect
 ShapePlan planned(const MeshSize& size, std::function<SweptBody()> make) {
   return {size, [nodes = size.nodes, make = std::move(make)] {
             if (!(nodes < 1e8)) // twenty an element are made before they are merged
-              throw InputError(
-                  format("the mesh would have %.3g nodes, expected at most 1e8: take a "
-                         "larger --h",
-                         nodes));
+              throw InputError(format("the mesh would have %.3g nodes, expected at most 1e8: use a "
+                                      "larger --h",
+                                      nodes));
             return make();
           }};
 }
@@ -309,7 +308,8 @@ const std::vector<ShapeEntry>& known_shapes() {
        "a solid disk",
        {{"diameter", kRequired, ""},
         {"thickness", kRequired, ""},
-        {"patch_diameter", 0, "a circle on the lower face that elements follow, for a support"}}},
+        {"patch_diameter", 0,
+         "a circle on the lower face with element edges along it, for a support"}}},
       {"hollow_disk",
        "a disk with a closed cavity in its middle",
        {{"diameter", kRequired, ""},
@@ -346,9 +346,11 @@ const std::vector<ShapeEntry>& known_shapes() {
        {{"diameter", kRequired, "of the sphere, outside"},
         {"thickness", kRequired, ""},
         {"angle", 90, "from the bottom to the rim; 90 is a hemisphere", false}}},
-      {"bell", "a shell of revolution from a file (--profile): radius height thickness a line", {}},
+      {"bell",
+       "a shell of revolution from a file (--profile) of lines: radius height thickness",
+       {}},
       {"board",
-       "a thin plate, of wood unless told otherwise, its grain along x",
+       "a thin plate, by default of wood with its grain along x",
        {{"length", kRequired, "along x"},
         {"width", kRequired, "along y"},
         {"thickness", kRequired, ""}}},
@@ -362,7 +364,7 @@ ShapePlan plan_shape(const std::string& name, const Dimensions& given,
   const auto entry = std::find_if(shapes.begin(), shapes.end(),
                                   [&](const ShapeEntry& s) { return s.name == name; });
   if (entry == shapes.end())
-    throw InputError("no shape is called " + name);
+    throw InputError("unknown shape " + name);
   Dimensions d;
   for (const Dimension& dimension : entry->dimensions) {
     const auto at = given.find(dimension.name);
@@ -372,8 +374,7 @@ ShapePlan plan_shape(const std::string& name, const Dimensions& given,
     if (std::isnan(value))
       throw InputError(name + " needs --" + option);
     if (!(value > 0) && at != given.end())
-      throw InputError(name + ": " + option + " is " + std::to_string(value) +
-                       ", expected above 0");
+      throw InputError(name + ": " + option + " " + std::to_string(value) + ": expected above 0");
     d[dimension.name] = value;
   }
   for (const auto& [key, value] : given)

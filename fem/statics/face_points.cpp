@@ -112,7 +112,7 @@ void check_faces(const Mesh& mesh, std::span<const MeshFace> given, const std::s
         static_cast<std::size_t>(f.face) >=
             faces(mesh.elements[static_cast<std::size_t>(f.element)].shape).size())
       throw InputError(label + " names face " + std::to_string(f.face) + " of element " +
-                       std::to_string(f.element + 1) + ", which the mesh has not");
+                       std::to_string(f.element + 1) + ", which does not exist");
 }
 
 } // namespace tactus::fem

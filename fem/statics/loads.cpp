@@ -13,7 +13,7 @@ namespace {
 
 void check_finite(const Vec3& v, const std::string& label) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-    throw InputError(label + " has a component that is no number, expected three finite ones");
+    throw InputError(label + ": a component is not a finite number");
 }
 
 void add(std::vector<double>& f, std::size_t node, const Vec3& force) {
@@ -47,7 +47,7 @@ Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& la
     return {};
   if (std::abs(dot(axis, bolt.force_n)) > 1e-6 * total)
     throw InputError(label + " has a force along the hole's axis, which a wall without friction "
-                             "cannot take: put that part on a face as a total force");
+                             "cannot support: apply that component to a face as a total force");
   const Vec3 u = (1 / total) * (bolt.force_n - dot(axis, bolt.force_n) * axis), v = cross(axis, u);
   const double whole = area(mesh, bolt.faces);
   Vec3 e = u;
@@ -72,7 +72,7 @@ Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& la
       return e;
   }
   throw InputError(label +
-                   " pushes where its faces give no hold, expected the wall of a round hole");
+                   " acts on faces that cannot support it, expected the wall of a round hole");
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const Traction& t,

@@ -17,7 +17,7 @@ using Inside = std::function<bool(std::size_t node)>;
 void check_radius(double radius, const char* what) {
   if (!(radius > 0) || !std::isfinite(radius))
     throw InputError(std::string("a selection's ") + what + " has the radius " +
-                     std::to_string(radius) + " m, expected more than 0");
+                     std::to_string(radius) + " m, expected above 0");
 }
 
 std::string named_sets(const Mesh& mesh) {
@@ -36,7 +36,7 @@ Inside test_of(const Mesh& mesh, const Selection& selection) {
           [&](const InBox& in) -> Inside {
             for (int k = 0; k < 3; ++k)
               if (!(in.box.low[k] <= in.box.high[k]))
-                throw InputError("a selection's box ends before it begins along " +
+                throw InputError("a selection's box has low above high along " +
                                  std::string(1, "xyz"[k]) + ": expected low <= high");
             return [=](std::size_t n) {
               for (int k = 0; k < 3; ++k)

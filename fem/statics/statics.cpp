@@ -7,7 +7,7 @@ namespace tactus::fem {
 StaticSystem::StaticSystem(const Mesh& mesh, const StaticModel& model)
     : matrices(mesh), prescribed(mesh.dofs(), 0.0) {
   if (mesh.elements.empty())
-    throw InputError("the mesh holds no volume element, expected at least one");
+    throw InputError("the mesh has no volume element, expected at least one");
   check_supported(mesh, model.fixed, model.springs);
   load = load_vector(mesh, model.materials, model.loads);
   assemble_stiffness(mesh, model.materials, -1, matrices);
@@ -20,7 +20,8 @@ StaticSystem::StaticSystem(const Mesh& mesh, const StaticModel& model)
           const double given = patch.displacement_m[static_cast<int>(i)];
           if (matrices.constrained[dof] && prescribed[dof] != given)
             throw InputError("support " + patch.name + " moves node " + std::to_string(node + 1) +
-                             " along " + "xyz"[i] + " to another place than an earlier support");
+                             " along " + "xyz"[i] +
+                             " by another displacement than an earlier support");
           matrices.constrained[dof] = 1;
           prescribed[dof] = given;
         }

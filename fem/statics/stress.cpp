@@ -38,7 +38,7 @@ struct Smoothing {
                       values.begin() + static_cast<std::ptrdiff_t>(count));
     }
     if (!solve_regular(here, to_nodes, count))
-      throw std::logic_error("the points of an element carry no polynomial of their number");
+      throw std::logic_error("the stress points of an element do not determine its polynomial");
   }
 };
 

@@ -110,16 +110,16 @@ std::string describe(const Piece& piece, std::span<const double> null_space, std
 void check_fixed(const Mesh& mesh, const FixedPatch& patch) {
   const std::string label = "support " + patch.name;
   if (patch.nodes.empty())
-    throw InputError(label + " holds no node, expected a place on the body");
+    throw InputError(label + " selects no node, expected a region of the body");
   for (const int n : patch.nodes)
     if (n < 0 || static_cast<std::size_t>(n) >= mesh.nodes.size())
-      throw InputError(label + " holds node " + std::to_string(n + 1) + ", the mesh has " +
+      throw InputError(label + " fixes node " + std::to_string(n + 1) + ", the mesh has " +
                        std::to_string(mesh.nodes.size()));
   if (!patch.directions[0] && !patch.directions[1] && !patch.directions[2])
-    throw InputError(label + " holds no direction, expected x, y or z");
+    throw InputError(label + " fixes no direction, expected x, y or z");
   for (int i = 0; i < 3; ++i)
     if (!std::isfinite(patch.displacement_m[i]))
-      throw InputError(label + " has a displacement that is no number");
+      throw InputError(label + ": displacement is not a finite number");
 }
 
 } // namespace
@@ -228,7 +228,7 @@ void check_supported(const Mesh& mesh, std::span<const FixedPatch> fixed,
             : format("piece %zu of %zu (%s, around (%.4g, %.4g, %.4g) mm)", k + 1, pieces.size(),
                      mesh.regions[static_cast<std::size_t>(piece.region)].c_str(),
                      1e3 * piece.centre.x, 1e3 * piece.centre.y, 1e3 * piece.centre.z);
-    throw InputError(part_label + " is not held: " + std::to_string(free) +
+    throw InputError(part_label + " is not fully supported: " + std::to_string(free) +
                      " of its 6 rigid motions are free, among them " +
                      describe(piece, motions.vectors, free) + "; add a support or a spring");
   }

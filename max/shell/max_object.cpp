@@ -275,7 +275,9 @@ void MaxObject::say_error(std::string_view sentence) {
 
 void MaxObject::lost() noexcept {
   if (lost_.fetch_add(1, std::memory_order_relaxed) == 0)
-    object_error(box(), "%s", "messages come faster than they are carried out: some were lost");
+    object_error(box(), "%s",
+                 "messages arrive faster than they can be processed: some are lost; send them more "
+                 "slowly (reported once)");
 }
 
 void MaxObject::changed() noexcept {
@@ -319,7 +321,8 @@ void MaxObject::deliver_audio_output() {
     continue;
   const unsigned lost = executor_->lost_outputs();
   if (lost != 0 && std::exchange(lost_outputs_reported_, lost) == 0)
-    say_error("audio sends more than Max takes: some of it was lost");
+    say_error(
+        "the audio thread sends more messages than Max can receive: some are lost (reported once)");
 }
 
 void MaxObject::prepare(std::span<const short> counts, double sample_rate, long max_frames) {

@@ -44,7 +44,7 @@ Ports::~Ports() {
 std::string assistance(const Declaration& declaration, bool is_inlet, std::size_t index) {
   const auto ports = is_inlet ? declaration.inlets : declaration.outlets;
   if (index >= ports.size())
-    return is_inlet ? "messages" : "info: answers to get, dump and the like";
+    return is_inlet ? "messages" : "info: answers to get, dump and other queries";
   const Port& port = ports[index];
   std::string text;
   if (port.kind == Port::Kind::kSignal)

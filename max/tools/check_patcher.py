@@ -20,9 +20,9 @@ def name(box):
 def check_cords(patcher):
     for s, outlet, d, inlet, _ in patcher.cords:
         if s not in patcher.boxes or d not in patcher.boxes:
-            yield f"a cord from {name(s)} to {name(d)}: one of them is not in the patcher"
+            yield f"a cord from {name(s)} to {name(d)}: expected both in the patcher"
         elif s.outlets[outlet] == "signal" and d.inlets[inlet] != max_objects.S and d.maxclass != "outlet":
-            yield f"a signal of {name(s)} into inlet {inlet} of {name(d)}, which takes none"
+            yield f"a signal of {name(s)} into inlet {inlet} of {name(d)}, which accepts no signal"
 
 
 def check_fan_out(patcher):
@@ -33,7 +33,7 @@ def check_fan_out(patcher):
     for (_, outlet), sources in ends.items():
         if len(sources) > 1:
             yield (f"outlet {outlet} of {name(sources[0])} has {len(sources)} cords: "
-                   "Max orders them by position, put a [t] there")
+                   "Max orders them by position: insert a [t]")
 
 
 def own_declaration(box):
@@ -66,10 +66,10 @@ def _message_words(d, text):
         word, count = words[0], len(words) - 1
         if word in messages and not messages[word]["fewest"] <= count <= messages[word]["most"]:
             m = messages[word]
-            yield f"[{part}]: {d['name']}'s {word} takes {m['fewest']} to {m['most']} arguments"
+            yield f"[{part}]: {d['name']}'s {word}: expected {m['fewest']} to {m['most']} arguments"
         elif word in parameters and parameters[word]["choices"] and count and "$" not in part and \
                 words[1] not in parameters[word]["choices"]:
-            yield f"[{part}]: {word} is one of {', '.join(parameters[word]['choices'])}"
+            yield f"[{part}]: {word}: expected {', '.join(parameters[word]['choices'])}"
         elif word not in messages and word not in parameters:
             yield f"[{part}]: {d['name']} has no message {word}"
 
@@ -96,7 +96,7 @@ def check_positions(patcher):
                 yield f"{name(a)} and {name(b)} overlap"
     for box in patcher.boxes:
         if not box.hidden and min(box.x, box.y) < 0:
-            yield f"{name(box)} is outside of the window"
+            yield f"{name(box)} is outside the window"
         if box.maxclass in TEXT_BOXES:
             yield from _cut_text(box)
 

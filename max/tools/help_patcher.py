@@ -84,9 +84,9 @@ def attribute_tab(declaration, listener):
     tab = Patcher(WIDTH, 0, tab=True)
     y = title(tab, declaration, "attributes")
     text = (f"Type them with @ in the box ({declaration['name']} @{declaration['parameters'][0]['name']} "
-            f"{initial_text(declaration['parameters'][0])}), send them as messages, ask with get, "
+            f"{initial_text(declaration['parameters'][0])}), send them as messages, query them with get, "
             "or use the inspector. Each menu here is wired to the object below")
-    y = paragraph(tab, text + (" and to the one of the example." if listener else "."), LEFT, y,
+    y = paragraph(tab, text + (" and to the example object." if listener else "."), LEFT, y,
                   WIDTH - 2 * LEFT) + 10
     menu_width = min(max(text_size.width(p["name"]) for p in declaration["parameters"]) + 110, 260)
     menus = []
@@ -134,7 +134,7 @@ def message_tab(declaration, listener):
     instance = tab.object(target, LEFT, y + 20)
     for box in clickable:
         tab.connect(box, 0, instance, 0, hidden=True)
-    note = "to the object of the example" if listener else "the object that the messages above reach"
+    note = "to the example object" if listener else "receives the messages above"
     paragraph(tab, note, instance.right + 12, y + 21, 360)
     if not listener:
         _info_to_console(tab, instance, declaration)
@@ -168,7 +168,7 @@ def port_tab(declaration):
         y = paragraph(tab, "arguments, in this order, before any @", LEFT, y + 8, 400, fontface=1) + 4
         by_name = {p["name"]: p for p in declaration["parameters"]}
         for i, name in enumerate(declaration["arguments"]):
-            about = by_name.get(name, {}).get("text") or f"as the message {name}"
+            about = by_name.get(name, {}).get("text") or f"same as the message {name}"
             tab.comment(f"{i + 1}  {name}", LEFT, y)
             y = paragraph(tab, about, 130, y, WIDTH - LEFT - 130) + 3
     return tab.fit()

@@ -184,9 +184,9 @@ def main():
     if arguments.zip and not findings:
         write_zip(package, arguments.zip)
     for name in missing_files(package):
-        print(f"not in the package, but loaded by a patcher: {name} (--library)")
+        print(f"{name}: loaded by a patcher, but not in the package: give its folder by --library")
     print(f"{package}: {len(list((package / 'help').iterdir()))} objects, {len(externals)} externals, {bodies} data files"
-          + ("" if externals else "; no external was given (--externals)"))
+          + ("" if externals else "; no externals: give their folder by --externals"))
     return 1 if findings else 0
 
 

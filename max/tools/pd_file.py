@@ -91,4 +91,4 @@ def _element(stack, fields, rest):
         words, chars = words_of(" ".join(fields[3:]))
         canvas.boxes.append(PdBox(what, int(fields[1]), int(fields[2]), words, chars))
     else:
-        raise ValueError(f"#X {rest[:60]}: an element of Pd that this reader does not know")
+        raise ValueError(f"#X {rest[:60]}: this Pd element is not supported")

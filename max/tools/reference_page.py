@@ -47,7 +47,7 @@ def _arguments(root, d):
     by_name = {p["name"]: p for p in d["parameters"]}
     for name in d["arguments"]:
         parameter = by_name.get(name)
-        digest = parameter["text"] if parameter else f"as the message {name}"
+        digest = parameter["text"] if parameter else f"same as the message {name}"
         if parameter:
             kind = "symbol" if parameter["choices"] else "float"
         else:

@@ -48,8 +48,8 @@ std::vector<std::optional<Material>> chosen_materials(const BodyOptions& options
     if (at == mesh.regions.end()) {
       std::string names;
       for (const std::string& r : mesh.regions)
-        names += " " + r;
-      throw InputError("--material: no region is called " + region + ", the body has" + names);
+        names += (names.empty() ? "" : ", ") + r;
+      throw InputError("--material: region " + region + ": expected one of " + names);
     }
     chosen[static_cast<std::size_t>(at - mesh.regions.begin())] = find_material(name);
   }
@@ -75,16 +75,15 @@ double BodyOptions::unit_of_body() const {
 double number(const std::string& option, const std::string& word, double low, double high) {
   const auto value = to_number(word);
   if (!value || *value < low || *value > high)
-    throw InputError(option + " " + word + ": expected a number from " + format("%g", low) +
-                     " to " + format("%g", high));
+    throw InputError(option + " " + word + ": expected a number in " + format("%g", low) + ".." +
+                     format("%g", high));
   return *value;
 }
 
 int integer(const std::string& option, const std::string& word, int low, int high) {
   const auto value = to_number(word, low, high);
   if (!value)
-    throw InputError(option + " " + word +
-                     format(": expected a whole number from %d to %d", low, high));
+    throw InputError(option + " " + word + format(": expected an integer in %d..%d", low, high));
   return *value;
 }
 
@@ -92,7 +91,7 @@ BodyReader::BodyReader(BodyOptions& options, const std::vector<std::string>& wor
                        std::span<const ShapeEntry> shapes, const char* program)
     : options_(options), words_(words), program_(program) {
   if (words.empty())
-    throw InputError("which body? a shape or a file; " + program_ + " --help lists them");
+    throw InputError("no body given: expected a shape or a file; see " + program_ + " --help");
   options.body = underscored(words[0]);
   const auto shape = std::find_if(shapes.begin(), shapes.end(),
                                   [&](const ShapeEntry& s) { return s.name == options.body; });
@@ -102,7 +101,7 @@ BodyReader::BodyReader(BodyOptions& options, const std::vector<std::string>& wor
   else
     options.body = words[0];
   if (options.is_file && options.body.find('.') == std::string::npos)
-    throw InputError("no shape is called " + options.body + "; " + program_ + " --help lists them");
+    throw InputError("unknown shape " + options.body + "; see " + program_ + " --help");
   if (options.body == "board")
     options.default_material = "spruce";
   for (std::size_t i = 1; i + 1 < words.size(); ++i)
@@ -203,7 +202,7 @@ void BodyReader::take() {
     take_dimension();
   }
   if (!options_.part.empty() && options_.several_parts)
-    throw InputError("--only takes one part, --multi all: expected one of them");
+    throw InputError("--only selects one part and --multi all: expected one of the two");
 }
 
 void BodyReader::take_dimension() {
@@ -215,8 +214,8 @@ void BodyReader::take_dimension() {
         dimension = &d;
   if (!dimension)
     throw InputError("unknown option " + option() +
-                     (options_.is_file ? "" : " of " + options_.body) + "; " + program_ +
-                     " --help lists them");
+                     (options_.is_file ? "" : " of " + options_.body) + "; see " + program_ +
+                     " --help");
   options_.dimensions[key] = (dimension->is_length ? options_.unit : 1) * number(0, 1e9);
 }
 
@@ -232,8 +231,8 @@ std::string usage_of_shapes(std::span<const ShapeEntry> shapes) {
     }
   }
   return text + R"(
-Lengths are in millimetres, or in --unit um|mm|cm|m|in, here and in files; but a .step file says
-its own unit, and .msh and .inp are in metres where --unit is not given.
+Lengths are in millimetres, or in --unit um|mm|cm|m|in, in options and in files. A .step file
+states its own unit; .msh and .inp files are in metres unless --unit is given.
 
 )";
 }
@@ -249,12 +248,12 @@ std::string usage_of_mesh() {
   return R"(Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --only NAME|NUMBER  one of a file's separate parts
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
-              --remesh (renew an STL's triangles)  --straight  (no curved sides)
+              --remesh  (new triangles for an STL surface)  --straight  (no curved edges)
               --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps
-                                    narrower than SIZE (1/25 of the body, or as much as
-                                    its holes need) are closed
-              --time-limit SECONDS (1200)  stop reading and meshing a file after so long
-                                       without progress
+                                    narrower than SIZE (1/25 of the body, or more if
+                                    its holes need it) are closed
+              --time-limit SECONDS (1200)  time without progress after which reading and
+                                       meshing a file stop
 )";
 }
 
@@ -277,7 +276,7 @@ std::vector<Material> materials_of(const BodyOptions& options, const Mesh& mesh)
   apply_changes(options, materials[0]);
   if (!options.axes.empty() &&
       std::all_of(materials.begin(), materials.end(), [](auto& m) { return m.isotropic(); }))
-    throw InputError("--axes are those of an orthotropic material, the body has " +
+    throw InputError("--axes applies to an orthotropic material, the body has " +
                      names_of_materials(materials));
   if (!options.axes.empty())
     for (Material& m : materials) {
@@ -329,7 +328,7 @@ void warn_of_unusual_length(const BodyOptions& options, double largest,
   const std::string unit = name_of_unit(options.unit_of_body());
   if (largest > 20 || largest < 1e-4)
     notify("warning: the body is " + format_length(largest) + " long; are its lengths in " +
-           (unit.empty() ? "the unit that it says?" : unit + "? (--unit um|mm|cm|m|in)"));
+           (unit.empty() ? "the unit that the file states?" : unit + "? (--unit um|mm|cm|m|in)"));
 }
 
 Material first_material(const BodyOptions& options) {
@@ -380,7 +379,7 @@ void describe(const Mesh& mesh, ProgressLine& progress, const std::string& what)
   for (const Element& e : mesh.elements)
     if (is_linear(e.shape)) {
       progress.notify("warning: linear elements (" + mesh.element_names() +
-                      ") are too stiff and make " + what + "; take quadratic ones");
+                      ") are too stiff and make " + what + "; use quadratic ones");
       break;
     }
 }

@@ -25,7 +25,7 @@ int body_program(int argc, char** argv, const char* name, std::string (*usage)()
         return command.run({words.begin() + 1, words.end()});
     return run(words);
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: out of memory; take a coarser mesh (--h)\n", name);
+    std::fprintf(stderr, "%s: out of memory: use a coarser mesh (--h)\n", name);
   } catch (const std::exception& refusal) {
     std::fprintf(stderr, "%s: %s\n", name, refusal.what());
   }

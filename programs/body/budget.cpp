@@ -96,7 +96,8 @@ double read_memory(const std::string& option, const std::string& word) {
   const double bytes =
       value && power <= 4 ? *value * std::pow(binary ? 1024 : 1000, static_cast<double>(power)) : 0;
   if (!(rest.empty() || rest == "b") || !(bytes >= 1e6 && bytes <= 1e16))
-    throw InputError(option + " " + word + ": expected a size from 1M, such as 800M, 4G or 1.5GiB");
+    throw InputError(option + " " + word +
+                     ": expected a size of 1M or more, such as 800M, 4G or 1.5GiB");
   return bytes;
 }
 
@@ -129,7 +130,7 @@ void Budget::check_budget(const std::string& body, const Workload& work,
   };
   std::string options;
   const auto suggest = [&](const std::string& option) {
-    options += (options.empty() ? "take " : " or ") + option;
+    options += (options.empty() ? "use " : " or ") + option;
   };
   Workload other = work;
   const double modes = largest_where(work.modes, [&](double count) {
@@ -172,8 +173,8 @@ void Budget::check_budget(const std::string& body, const Workload& work,
   throw TooLarge(body + ": " + cost.stage + " would take " + format_bytes(cost.bytes) + " (" +
                  format_count(work.mesh.elements) + " elements, " + format_count(work.mesh.dofs()) +
                  " unknowns, " + format_count(work.modes) + " modes), expected at most " +
-                 format_bytes(bytes_) + (given_ ? " (--memory)" : ", half of what is free") + ": " +
-                 options);
+                 format_bytes(bytes_) + (given_ ? " (--memory)" : ", half of the free memory") +
+                 ": " + options);
 }
 
 } // namespace tactus::fem

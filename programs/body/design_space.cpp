@@ -18,7 +18,7 @@ std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
     const auto value = to_number<int>(word);
     if (!value || *value < low || *value > high)
       throw InputError(reader.option() + " " + printable(word, 20) +
-                       format(": expected three whole numbers from %d to %d", low, high));
+                       format(": expected three integers in %d..%d", low, high));
     count = *value;
   }
   return counts;
@@ -92,10 +92,10 @@ std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
   for (const int id : options.controls)
     if (std::find(found.begin(), found.end(), id) == found.end())
       throw InputError(
-          format("--controls: control point %d ", id) +
+          format("--controls: control point %d", id) +
           (id >= lattice.control_count()
-               ? format("is not there, expected 0 to %d", lattice.control_count() - 1)
-               : "cannot move: it moves no node, or lies on a face of the box that the "
+               ? format(": expected 0..%d", lattice.control_count() - 1)
+               : " cannot move: it moves no node, or lies on a face of the box that the "
                  "body passes through"));
   std::vector<int> chosen = options.controls;
   std::sort(chosen.begin(), chosen.end());
@@ -117,11 +117,11 @@ std::array<bool, 3> read_directions(const std::string& option, const std::string
   for (const char c : word) {
     if (c < 'x' || c > 'z')
       throw InputError(option + " " + printable(word, 20) +
-                       ": expected directions out of x, y and z");
+                       ": expected directions such as x, yz or xyz");
     directions[static_cast<std::size_t>(c - 'x')] = true;
   }
   if (word.empty())
-    throw InputError(option + ": expected directions out of x, y and z");
+    throw InputError(option + ": expected directions such as x, yz or xyz");
   return directions;
 }
 
@@ -139,7 +139,7 @@ bool DesignOptions::take(BodyReader& reader) {
       const auto id = to_number<int>(cell);
       if (!id || *id < 0)
         throw InputError("--controls " + printable(cell, 20) +
-                         ": expected numbers of control points from 0 between commas");
+                         ": expected numbers of control points, 0 or more, between commas");
       controls.push_back(*id);
     }
   } else if (option == "--directions") {
@@ -183,7 +183,7 @@ DesignSpace design_space_of(const DesignOptions& options, const Mesh& mesh) {
         space.parameters.push_back({control, axis, -range, range});
       }
   if (parameters.empty())
-    throw InputError("--directions: expected one of x, y and z or more");
+    throw InputError("--directions: expected directions such as x, yz or xyz");
   space.velocities = design_velocities(space.weights, parameters);
   for (std::size_t p = 0; p < space.parameters.size(); ++p) {
     ParameterRange& range = space.parameters[p];
@@ -198,10 +198,10 @@ void DesignSpace::check_within_bounds(std::span<const double> values) const {
     const ParameterRange& range = parameters[p];
     const double rounding = 1e-6 * (range.high - range.low);
     if (!std::isfinite(values[p]))
-      throw InputError(format("control point %d along %c: the displacement is no finite number",
-                              range.control, 'x' + range.axis));
+      throw InputError(format("control point %d along %c: not a finite number", range.control,
+                              'x' + range.axis));
     if (!(values[p] >= range.low - rounding && values[p] <= range.high + rounding))
-      throw InputError(format("control point %d along %c: %.6g mm, expected %.6g to %.6g mm",
+      throw InputError(format("control point %d along %c %.6g mm: expected %.6g..%.6g mm",
                               range.control, 'x' + range.axis, 1e3 * values[p], 1e3 * range.low,
                               1e3 * range.high));
   }
@@ -209,12 +209,12 @@ void DesignSpace::check_within_bounds(std::span<const double> values) const {
 
 std::string usage_of_lattice() {
   return R"(Shape         --lattice NX NY NZ (3 3 3)  control points that reshape the body
-              --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  what the lattice spans
+              --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  box spanned by the lattice
               --degree DX DY DZ (3, or one less than the points)
-              --controls ID,ID,...  control points that may move (all that keep the body whole)
-              --directions xyz      in which they may
+              --controls ID,ID,...  movable control points (all that keep the body whole)
+              --directions xyz      directions in which they move
               --range LENGTH (half a spacing)  bounds of each coordinate
-              --trust LENGTH (a tenth of the box)  moves for which derivatives serve
+              --trust LENGTH (a tenth of the box)  largest move for which derivatives are valid
 )";
 }
 

@@ -58,7 +58,8 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
             const std::string& errors, int& output) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
-    throw InputError(std::string(engine.option) + ": no pipe: " + std::strerror(errno));
+    throw InputError(std::string(engine.option) +
+                     ": cannot create a pipe: " + std::strerror(errno));
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (const std::string& word : words)
@@ -126,9 +127,9 @@ void check_engine(const MpiEngine& engine) {
   const std::string option = engine.option;
   if (::access(solver_path(engine).c_str(), X_OK) != 0)
     throw InputError(option + ": this program was built without " + engine.library +
-                     "; install Debian's " + engine.packages + " and openmpi-bin and build again");
+                     ": install Debian's " + engine.packages + " and openmpi-bin and build again");
   if (mpirun_path().empty())
-    throw InputError(option + ": there is no mpirun; install Debian's openmpi-bin");
+    throw InputError(option + ": mpirun was not found: install Debian's openmpi-bin");
 }
 
 MpiRun::MpiRun(const MpiEngine& engine, std::span<const char* const> files) : engine_(engine) {
@@ -138,7 +139,7 @@ MpiRun::MpiRun(const MpiEngine& engine, std::span<const char* const> files) : en
   constexpr std::size_t kMaxNameLength = 16;
   if (files.size() + 1 > g_files.size() || pattern.size() + kMaxNameLength > g_folder.size() ||
       !::mkdtemp(pattern.data()))
-    throw InputError(std::string(engine.option) + ": cannot make a folder " + pattern + ": " +
+    throw InputError(std::string(engine.option) + ": cannot create the folder " + pattern + ": " +
                      std::strerror(errno));
   folder_ = pattern;
   std::copy_n(folder_.c_str(), folder_.size() + 1, g_folder.data());
@@ -164,8 +165,8 @@ void MpiRun::require_disk_space(double bytes) const {
           ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize)
           : bytes;
   if (free_bytes < bytes)
-    throw InputError(std::string(engine_.option) + ": " + folder_ + " has room for " +
-                     format_bytes(free_bytes) + ", expected " + format_bytes(bytes) +
+    throw InputError(std::string(engine_.option) + ": " + folder_ + " has " +
+                     format_bytes(free_bytes) + " free, expected " + format_bytes(bytes) +
                      ": set TMPDIR to a larger disk");
 }
 

@@ -57,7 +57,8 @@ void check_output(const std::string& option, const std::string& path) {
     throw InputError(label + " is a folder, expected the name of a file in it");
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
     throw InputError(
-        label + " is a device or pipe, expected a file: outputs appear complete or not at all");
+        label +
+        " is a device or pipe, expected a file: outputs are written complete or not at all");
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
     throw InputError(label + ": cannot write: " + std::strerror(errno));
   // The file is written under another name in its folder and renamed: tries whether that is
@@ -96,8 +97,8 @@ void check_disk_space(std::span<const Output> all) {
         static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (out.bytes > free_bytes)
       throw TooLarge(std::string(out.option) + " " + out.path + " would take " +
-                     format_bytes(out.bytes) + ", the disk has room for " +
-                     format_bytes(free_bytes));
+                     format_bytes(out.bytes) + ", the disk has " + format_bytes(free_bytes) +
+                     " free");
   }
 }
 
@@ -114,8 +115,7 @@ void draw_sheet(const std::string& script, const std::string& table, const std::
                                  fs::absolute(picture).string()};
   words.insert(words.end(), more.begin(), more.end());
   if (!python(words))
-    throw InputError("the picture sheet " + picture + " was not drawn by " +
-                     beside_program(script));
+    throw InputError(beside_program(script) + " could not draw the picture sheet " + picture);
 }
 
 std::string date_of_now() {

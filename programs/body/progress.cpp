@@ -58,8 +58,7 @@ std::string ProgressLine::line() const {
   if (left > 0)
     text += ", about " + format_seconds(left) + " left";
   else if (predicted_s_ > 0)
-    text += ", for " + format_seconds(spent) + " so far, " + format_seconds(predicted_s_) +
-            " were expected";
+    text += ", for " + format_seconds(spent) + " so far, expected " + format_seconds(predicted_s_);
   else
     text += ", for " + format_seconds(spent) + " so far";
   return text;

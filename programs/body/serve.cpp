@@ -19,7 +19,7 @@ using serve::ServeKind;
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "messages are copied byte by byte");
 
 constexpr std::uint64_t kMaxRequestBytes = 1 << 20;
 
@@ -56,8 +56,7 @@ ServedPart read_served_part(const std::string& path, const std::string& format_n
   const auto text = [&](const char* name) {
     const files::NpzArray* array = archive.find(name);
     if (!array || array->item_bytes != 1)
-      throw InputError(path + " has no array of bytes '" + name + "', expected a table of " +
-                       program);
+      throw InputError(path + " has no byte array '" + name + "', expected a table of " + program);
     return std::string_view(reinterpret_cast<const char*>(array->bytes.data()),
                             array->bytes.size());
   };
@@ -67,13 +66,14 @@ ServedPart read_served_part(const std::string& path, const std::string& format_n
   if (meta.text_or("format", "") != format_name) {
     std::string words = format_name;
     std::replace(words.begin(), words.end(), '-', ' ');
-    throw InputError(path + " is no " + words + ": expected one of " + program);
+    throw InputError(path + " is not a " + words + ": expected one of " + program);
   }
   if (const files::Json* command = meta.find("command"))
     for (const files::Json& word : command->list)
       part.command.push_back(word.text);
   if (part.command.empty())
-    throw InputError(path + " does not say how it was made: expected 'command' in its meta");
+    throw InputError(path +
+                     " does not state the command that made it: expected 'command' in its meta");
   try {
     part.mesh = mesh_from_bytes(text("mesh"));
     check(part.mesh);
@@ -88,7 +88,7 @@ void ServeMessage::send() {
   std::fwrite(&header_, sizeof header_, 1, stdout);
   std::fwrite(bytes_.data(), 1, bytes_.size(), stdout);
   if (std::fflush(stdout) != 0)
-    throw InputError("the answer cannot be written to stdout: its reader is gone");
+    throw InputError("cannot write the answer to stdout: its reader has closed it");
 }
 
 int serve_requests(const char* program, const std::function<void(std::span<const char>)>& answer) {

@@ -65,9 +65,9 @@ std::string read_options(std::span<const char* const> words, std::string_view us
     }
     const std::string expected = option_text(usage, name);
     if (expected.empty())
-      return "there is no option " + name + "; --help shows all";
+      return "unknown option " + name + "; see --help";
     if (++i == words.size())
-      return name + " lacks its value";
+      return name + " needs a value";
     const std::string value = words[i];
     const auto taken = set_device_option(name, value, device);
     if (!(taken ? *taken : set(name, value)))

@@ -28,7 +28,7 @@ template <class Options> struct Parsed {
   std::string error;
 };
 
-/// The line of the usage text about an option: "0..65535; 0 takes one that is free (7770)". Empty
+/// The line of the usage text about an option: "0..65535; 0: any free port (7770)". Empty
 /// if no line begins with two spaces and the option.
 [[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);
 

@@ -41,7 +41,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
              1;
   }
   if (!device)
-    return std::fprintf(stderr, "haptic_check: there is no driver %s; --list shows all\n",
+    return std::fprintf(stderr, "haptic_check: unknown driver %s; --list shows all\n",
                         options.device.driver.c_str()),
            2;
   programs::DeviceOptions wanted = options.device;
@@ -62,7 +62,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
   std::vector<Finding> findings;
   double force_limit_n = 0;
   if (error.empty()) {
-    std::printf("Ctrl-C ends everything with no force. Keep your face away from the handle.\n");
+    std::printf("Ctrl-C switches the force off and exits. Keep your face away from the handle.\n");
     Stations stations(session, options);
     error = stations.run();
     findings = stations.findings();
@@ -78,7 +78,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
   std::printf("\n%s\n", text.c_str());
   if (!file)
     return std::fprintf(stderr, "haptic_check: cannot write %s\n", options.report.c_str()), 1;
-  std::printf("This is in %s, too; paste it into an issue.\n", options.report.c_str());
+  std::printf("This report is also in %s; paste it into an issue.\n", options.report.c_str());
   return error.empty() ? 0 : 1;
 }
 
@@ -103,8 +103,8 @@ int main(int count, char** words) {
     const Choice choice = first_ready();
     if (choice.driver.empty())
       return std::fprintf(stderr,
-                          "haptic_check: no device is ready; see above what to do, or try the "
-                          "simulated one: --device sim\n"),
+                          "haptic_check: no device is ready; see the remedies above, or try the "
+                          "simulated device: --device sim\n"),
              1;
     options.device.driver = choice.driver;
     options.device.which = choice.which;

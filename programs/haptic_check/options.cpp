@@ -6,15 +6,15 @@ const char* usage() noexcept {
   return "haptic_check [--list] [--device DRIVER[:WHICH]] [--set \"NAME VALUE\"]... [--yes]\n"
          "             [--seconds S] [--force N] [--rate HZ] [--report FILE]\n"
          "\n"
-         "  --list      show what is plugged in and what is missing, and end\n"
-         "  --device    sim, falcon, hid, openhaptics, dhd, haply, evdev; WHICH is an index, a\n"
-         "              serial number or a path. Without it: the first device that is ready\n"
-         "  --set       one setting of the device, as [phantom] takes it: --set \"peak 3\"\n"
-         "  --yes       ask nothing; for tests. Somebody must hold the handle all the same\n"
-         "  --seconds   0.5..300, of each of the four stations (8)\n"
-         "  --force     0.1..20 N at most (a quarter of the device's, 1..3)\n"
+         "  --list      list devices and missing libraries, then exit\n"
+         "  --device    sim, falcon, hid, openhaptics, dhd, haply or evdev; WHICH is an index, a\n"
+         "              serial number or a path (the first device that is ready)\n"
+         "  --set       a setting of the device, as for [phantom]: --set \"peak 3\"\n"
+         "  --yes       ask no questions, for tests; somebody must still hold the handle\n"
+         "  --seconds   0.5..300 s for each of the four stations (8)\n"
+         "  --force     0.1..20 N, the largest force (a quarter of the device's, within 1..3)\n"
          "  --rate      200..4000 ticks a second (1000)\n"
-         "  --report    where the report goes (haptic_check.txt)\n";
+         "  --report    name of the report's file (haptic_check.txt)\n";
 }
 
 ParsedOptions parse_options(int count, const char* const* words) {

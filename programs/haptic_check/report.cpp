@@ -58,7 +58,7 @@ void add_histogram(std::string& text, const std::vector<Finding>& findings) {
     }
   if (total == 0)
     return;
-  text += "\n[jitter] distance of an interval from the period, all stations\n";
+  text += "\n[jitter] deviation of an interval from the period, all stations\n";
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double share = static_cast<double>(counts[i]) / static_cast<double>(total);
     const bool last = i + 1 == counts.size();
@@ -79,7 +79,7 @@ std::vector<std::string> inventory() {
     const std::string problem = driver->problem();
     const auto found = problem.empty() ? driver->list() : std::vector<devices::Found>();
     if (!problem.empty())
-      lines.push_back("  not now: " + problem);
+      lines.push_back("  not available: " + problem);
     else if (found.empty())
       lines.emplace_back("  none found");
     for (const devices::Found& one : found)
@@ -117,7 +117,7 @@ std::string report(const Options& options, const DeviceDescription& device, doub
   text += format("workspace x %.0f..%.0f y %.0f..%.0f z %.0f..%.0f mm; rate %.0f Hz; velocity %s\n",
                  low.x, high.x, low.y, high.y, low.z, high.z, caps.rate_hz,
                  caps.has_velocity ? "measured" : "estimated");
-  text += format("asked: %.0f Hz, at most %.2f N, %.1f s a station\n", options.rate_hz,
+  text += format("requested: %.0f Hz, at most %.2f N, %.1f s for each station\n", options.rate_hz,
                  force_limit_n, options.seconds);
   for (const auto& words : options.device.settings) {
     text += "set:";
@@ -133,7 +133,7 @@ std::string report(const Options& options, const DeviceDescription& device, doub
       text += "  " + line + "\n";
     add_loop(text, finding);
     if (!finding.answer.empty())
-      text += "  owner: " + finding.answer + "\n";
+      text += "  user: " + finding.answer + "\n";
   }
   add_histogram(text, findings);
   text += "\n[drivers]\n";

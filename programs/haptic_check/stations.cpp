@@ -50,7 +50,7 @@ std::string Stations::run() {
 void Stations::skip(const std::string& name, const std::string& reason) {
   Finding finding;
   finding.name = name;
-  finding.lines = {"left out: " + reason};
+  finding.lines = {"skipped: " + reason};
   findings_.push_back(finding);
 }
 
@@ -66,7 +66,7 @@ Vec3 Stations::current_position(std::string& error) {
   plan.period_s = period_s_;
   const Recording recording = session_.run(plan, error);
   if (recording.records.empty() && error.empty())
-    error = "the device gives no position: " + recording.trouble;
+    error = "the device sends no position: " + recording.trouble;
   return recording.records.empty() ? Vec3{} : recording.records.back().position;
 }
 
@@ -76,10 +76,10 @@ std::string Stations::finish(Finding finding, const Recording& recording, bool h
   finding.statistics = recording.statistics;
   finding.scheduling = recording.scheduling;
   if (!recording.trouble.empty())
-    finding.lines.push_back("the device said: " + recording.trouble);
+    finding.lines.push_back("the device reported: " + recording.trouble);
   if (recording.latched)
     finding.lines.emplace_back(
-        "the motors were stopped: the device reported a fault or fell silent");
+        "the motors were stopped: the device reported a fault or stopped responding");
   if (has_force)
     finding.lines.push_back(
         format("chain: clamped %llu, slewed %llu, watchdog %llu, lowest energy %.3g mJ",
@@ -89,21 +89,22 @@ std::string Stations::finish(Finding finding, const Recording& recording, bool h
                1e3 * recording.lowest_energy_j));
   if (recording.lost > 0)
     finding.lines.push_back(
-        format("%llu ticks were not taken down: the computer is too busy for this program",
+        format("%llu ticks were not recorded: the computer is too busy for this program",
                static_cast<unsigned long long>(recording.lost)));
   for (const std::string& line : finding.lines)
     std::printf("  %s\n", line.c_str());
   finding.answer =
-      ask("  As it should be? Enter for yes, or say what was odd (q to end):", !options_.yes);
+      ask("  Was this correct? Press Enter for yes, or describe what was odd (q to quit):",
+          !options_.yes);
   const bool end = finding.answer == "q";
   findings_.push_back(std::move(finding));
-  return end ? "ended by the owner" : "";
+  return end ? "ended by the user" : "";
 }
 
 std::string Stations::look() {
   std::printf("\n1. Position. The motors stay off. Move the handle to all corners and press each "
               "button.\n");
-  static_cast<void>(ask("  Enter to begin:", !options_.yes));
+  static_cast<void>(ask("  Press Enter to begin:", !options_.yes));
   move_simulated_hand({-0.02, -0.01, -0.02}, {0.02, 0.01, 0.02}, 1);
   std::string error;
   Session::Plan plan;
@@ -132,7 +133,7 @@ std::string Stations::look() {
   if (!error.empty())
     return error;
   if (recording.records.empty())
-    return "the device gives no position: " + recording.trouble;
+    return "the device sends no position: " + recording.trouble;
   const Motion motion = motion_of(recording.records);
   const Vec3 low = motion.lowest * 1e3, high = motion.highest * 1e3;
   Finding finding;
@@ -140,9 +141,9 @@ std::string Stations::look() {
   finding.lines = {
       format("x %.1f..%.1f  y %.1f..%.1f  z %.1f..%.1f mm", low.x, high.x, low.y, high.y, low.z,
              high.z),
-      format("fastest %.2f m/s, smallest step %.4f mm, new readings in %.0f %% of the ticks",
+      format("largest speed %.2f m/s, smallest step %.4f mm, new readings in %.0f %% of the ticks",
              motion.max_speed_m_per_s, 1e3 * motion.min_step_m, 100 * motion.changed_fraction),
-      format("buttons seen 0x%x, readings that failed %llu of %llu", motion.buttons,
+      format("buttons pressed 0x%x, failed readings %llu of %llu", motion.buttons,
              static_cast<unsigned long long>(recording.statistics.device_errors),
              static_cast<unsigned long long>(recording.statistics.ticks))};
   return finish(std::move(finding), recording, false);
@@ -173,7 +174,7 @@ std::string Stations::wall() {
       "\n2. Wall. THE MOTORS COME ON, up to %.1f N, rising within a second. Hold the handle, "
       "press it gently %s into a wall %.0f N/m stiff, and slide along it.\n",
       force_limit_n_, below ? "down" : "to the right", stiffness_n_per_m_);
-  static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
+  static_cast<void>(ask("  Hold the handle in the middle, then press Enter:", !options_.yes));
   std::string error;
   move_simulated_hand({}, {}, 1);
   const Vec3 start = current_position(error);
@@ -199,8 +200,8 @@ std::string Stations::wall() {
     finding.lines = {
         format("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
                recording.hits, result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
-        format("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS", result.stiffness_n_per_m,
-               stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
+        format("force over depth %.0f N/m of %.0f requested, vibration %.1f um RMS",
+               result.stiffness_n_per_m, stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
   return finish(std::move(finding), recording, true);
 }
 
@@ -215,7 +216,7 @@ std::string Stations::sphere() {
       "\n3. Sphere. THE MOTORS COME ON, up to %.1f N. A ball of %.0f mm radius lies under the "
       "handle: feel its roundness from all sides.\n",
       force_limit_n_, 1e3 * radius);
-  static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
+  static_cast<void>(ask("  Hold the handle in the middle, then press Enter:", !options_.yes));
   std::string error;
   move_simulated_hand({}, {}, 1);
   const Vec3 start = current_position(error);
@@ -250,9 +251,9 @@ std::string Stations::sphere() {
     finding.lines = {
         format("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits, angles.size(),
                1e3 * max_depth),
-        format("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
+        format("angle between force and radius: median %.1f degrees, 95 %% below %.1f degrees,",
                angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
-        "where the brake of the passivity control is part of it"};
+        "including the braking force of the passivity control"};
   return finish(std::move(finding), recording, true);
 }
 
@@ -261,7 +262,7 @@ std::string Stations::sines() {
   std::printf("\n4. Sine. THE MOTORS COME ON. The handle pushes to and fro along x with %.2f N: "
               "slowly, then as a hum, then as a tone. Hold it loosely.\n",
               amplitude);
-  static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
+  static_cast<void>(ask("  Hold the handle in the middle, then press Enter:", !options_.yes));
   move_simulated_hand({}, {}, 1);
   std::vector<double> frequencies;
   const double rate_hz = std::min(options_.rate_hz, caps_.rate_hz);
@@ -269,7 +270,7 @@ std::string Stations::sines() {
     if (hz <= rate_hz / 5)
       frequencies.push_back(hz);
   if (frequencies.empty()) {
-    skip("sine", "the device takes too few forces a second");
+    skip("sine", "the device accepts too few forces a second");
     return {};
   }
   Session::Plan plan = with_motors();
@@ -305,7 +306,8 @@ std::string Stations::sines() {
           response.force_n, 1e3 * response.motion_m, 1e3 * response.motion_m / response.force_n,
           response.phase_rad * 180 / std::numbers::pi));
     else
-      finding.lines.push_back(format("%.0f Hz: not long enough to measure", part.frequency_hz));
+      finding.lines.push_back(
+          format("%.0f Hz: the recording is too short to measure", part.frequency_hz));
   }
   return finish(std::move(finding), recording, true);
 }

@@ -89,7 +89,7 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
   if (const std::string failure = trace.close(); !failure.empty())
     return std::fprintf(stderr, "haptic_server: %s: %s\n", options.trace.c_str(), failure.c_str()),
            1;
-  say(time_of_day() + "haptic_server: ended with no force");
+  say(time_of_day() + "haptic_server: ended, force off");
   return 0;
 }
 

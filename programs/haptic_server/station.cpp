@@ -74,7 +74,7 @@ std::string Station::make_device(const Options& options) {
   } else {
     const devices::Driver* driver = devices::find_driver(options.device.driver);
     if (!driver)
-      return "there is no driver " + options.device.driver + "; --help names them";
+      return "unknown driver " + options.device.driver + "; see --help";
     device_ = driver->make();
     if (!device_)
       return options.device.driver + ": " + driver->problem();
@@ -137,7 +137,7 @@ void Station::tick(double now_s) {
   std::vector<std::string> fresh = server_->take_notices();
   if (const auto clipping = server_->take_clipping(); clipping && clipping->on) {
     char line[96];
-    std::snprintf(line, sizeof line, "the force is clipped: %.3g N asked for, %.3g N at most",
+    std::snprintf(line, sizeof line, "the force is clipped: %.3g N requested, limit %.3g N",
                   clipping->asked_n, clipping->limit_n);
     fresh.emplace_back(line);
   }

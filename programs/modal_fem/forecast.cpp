@@ -140,7 +140,7 @@ std::string Forecast::over_budget(const MeshSize& size) const {
   return "a finer mesh of " + format("%.0f", size.dofs()) + " unknowns would take " +
          format_bytes(cost.bytes) + ", expected at most " + format_bytes(budget_.bytes()) +
          (options_.memory_bytes > 0 ? " (--memory)"
-                                    : ", half of what is free: give more with --memory");
+                                    : ", half of the free memory: allow more with --memory");
 }
 
 std::string Forecast::over_budget_in_process(const FactorCost& cost) const {
@@ -148,10 +148,10 @@ std::string Forecast::over_budget_in_process(const FactorCost& cost) const {
   work.estimated = true;
   work.factor_elsewhere = false;
   const double bytes = predict_cost(work, cost).bytes;
-  return bytes <= budget_.bytes()
-             ? std::string()
-             : "they need the factor here, which would take " + format_bytes(bytes) +
-                   ", expected at most " + format_bytes(budget_.bytes()) + " (--memory)";
+  return bytes <= budget_.bytes() ? std::string()
+                                  : "they need a factorisation in this process, which would take " +
+                                        format_bytes(bytes) + ", expected at most " +
+                                        format_bytes(budget_.bytes()) + " (--memory)";
 }
 
 void Forecast::factor(const FactorCost& cost) {
@@ -159,7 +159,7 @@ void Forecast::factor(const FactorCost& cost) {
   const Cost all = predict_cost(workload(size_), cost);
   factor_s_ = all.factor_seconds;
   progress_.notify("about " + format_bytes(all.bytes) + " and " + format_seconds(all.seconds) +
-                   format(" ahead (factor: %.3g entries)", cost.entries));
+                   format(" needed (factor: %.3g entries)", cost.entries));
 }
 
 } // namespace tactus::fem

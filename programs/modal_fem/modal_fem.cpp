@@ -29,11 +29,11 @@ using namespace tactus::fem;
 
 void print(const ModalTable& table) {
   const Modes& modes = table.modes;
-  std::printf("%zu motions without strain left out; mass %.6g kg of %s\n", modes.rigid,
-              table.body.mass, names_of_materials(table.materials).c_str());
+  std::printf("%zu rigid-body modes left out; mass %.6g kg of %s\n", modes.rigid, table.body.mass,
+              names_of_materials(table.materials).c_str());
   const ModeRadiation& sound = table.radiation;
   std::printf("mode  frequency Hz  mult   T60 s   %s%s\n",
-              sound.empty() ? "" : "with sound  efficiency  degree  ",
+              sound.empty() ? "" : "T60 in air  efficiency  degree  ",
               table.metadata.relative_error.empty() ? "" : "estimated error %");
   for (std::size_t k = 0; k < modes.frequency_hz.size(); ++k) {
     std::printf("%4zu  %12.3f  %4d  %6.3g", k + 1, modes.frequency_hz[k], modes.multiplicity[k],
@@ -53,7 +53,7 @@ void print(const ModalTable& table) {
 int run(const std::vector<std::string>& words) {
   const ModalOptions options = read_options(words);
   if (!options.sheet.empty() && options.output.empty())
-    throw InputError("--sheet draws the table: it needs -o NAME.modal.npz too");
+    throw InputError("--sheet draws the table: expected -o NAME.modal.npz too");
   check_outputs(options);
   if (!options.sheet.empty())
     check_sheet("modal_sheet.py");
@@ -69,8 +69,8 @@ int run(const std::vector<std::string>& words) {
   print(table);
   if (options.import_values.empty() && table.modes.frequency_hz.size() > options.modes)
     std::printf(
-        "%zu modes instead of %zu: the last are of near-equal frequency, and a part of such "
-        "a group would sound by how the body is turned\n",
+        "%zu modes instead of %zu: the last ones have nearly equal frequencies, and the sound of a "
+        "part of such a group would depend on the body's orientation\n",
         table.modes.frequency_hz.size(), options.modes);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };

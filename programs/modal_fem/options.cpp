@@ -37,7 +37,7 @@ FixedRegion read_fixed_region(const std::string& option, const std::string& word
     fixed_region.directions = {};
     for (const char c : parts[next]) {
       if (c < 'x' || c > 'z')
-        throw InputError(option + " " + words + ": expected directions out of x, y and z");
+        throw InputError(option + " " + words + ": expected directions such as x, yz or xyz");
       fixed_region.directions[static_cast<std::size_t>(c - 'x')] = true;
     }
   }
@@ -86,7 +86,7 @@ ModalOptions read_options(const std::vector<std::string>& words) {
           std::adjacent_find(options.ratios.begin(), options.ratios.end()) != options.ratios.end())
         throw InputError("--ratios: expected up to 33 ascending numbers, such as 0.5,0.7,1,1.4,2");
       if (std::find(options.ratios.begin(), options.ratios.end(), 1.0) == options.ratios.end())
-        throw InputError("--ratios: expected 1, the body as it is, among them");
+        throw InputError("--ratios: expected 1, the unchanged body, among them");
     } else if (option == "--air") {
       const auto cells = split(reader.value(), ',');
       if (cells.size() != 2)
@@ -103,13 +103,14 @@ ModalOptions read_options(const std::vector<std::string>& words) {
     }
   }
   if (options.ranks > 0 && !options.slepc)
-    throw InputError("--ranks is the number of processes of --engine slepc, which is not chosen");
+    throw InputError(
+        "--ranks sets the number of processes of --engine slepc: expected --engine slepc too");
   return options;
 }
 
 std::string usage() {
   std::string text =
-      R"(modal_fem BODY [options]      the modes of a solid body, as a table that modal_impact~ plays
+      R"(modal_fem BODY [options]      compute the modes of a solid body, a table for modal_impact~
 
 BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimensions:
 )";
@@ -119,15 +120,15 @@ BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimens
               --spring PLACE:N_PER_M[:xyz]
 )" + usage_of_mesh();
   return text +
-         R"(              --tolerance PERCENT (0.2)  the mesh is refined until each mode's estimated error is
-                               below; 0: the first mesh stays, as with --h and --layers
-Modes         --modes N (40)  a last group of near-equal frequencies is kept whole
+         R"(              --tolerance PERCENT (0.2)  refine the mesh until each mode's estimated error is
+                               smaller; 0: keep the first mesh, as with --h and --layers
+Modes         --modes N (40)  a last group of nearly equal frequencies is kept whole
               --threads N (1)
-              --engine slepc --ranks N  (2)  the factor on N processes of mpirun
-              --memory SIZE  refuse work that takes more, such as 800M or 4G (half of what is free)
-              --residual  also how far the skin yields beyond these modes, for contacts
-Sound         --radiation body         outgoing waves of each mode (boundary elements) and the
-                                       damping that sound takes from it
+              --engine slepc --ranks N  (2)  factorise on N processes of mpirun
+              --memory SIZE  memory limit, such as 800M or 4G (half of the free memory)
+              --residual  static compliance of the skin beyond these modes, for contacts
+Sound         --radiation body         outgoing waves of each mode (boundary elements) and their
+                                       radiation damping
               --acoustic-triangles N (2000)  --air DENSITY,SPEED (1.184,346.1)
               --ratios R1,R2,...       also at these multiples of the frequencies, for a body
                                        whose E or rho will be changed
@@ -135,8 +136,8 @@ Sound         --radiation body         outgoing waves of each mode (boundary ele
          R"(Output        -o NAME.modal.npz  --csv FILE  --vtu FILE  --sheet FILE.png
               --export-inp FILE  the same mesh and supports for CalculiX
               --export-petsc FILE  K and M in PETSc's binary form
-              --import-modes VALUES VECTORS  take modes from a SLEPc run instead of solving
-              --quiet  no progress
+              --import-modes VALUES VECTORS  read the modes of a SLEPc run instead of solving
+              --quiet  show no progress
 )";
 }
 

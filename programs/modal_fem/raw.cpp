@@ -146,7 +146,7 @@ Grid grid_of(const modal::ModalTable& table, const modal::Surface& surface,
   const bool flat = is_flat(surface, settings.side);
   Grid whole = every_triangle(surface, settings.side, flat);
   if (whole.point.empty())
-    throw InputError("no face of the body looks to --side");
+    throw InputError("no face of the body points towards --side");
   if (settings.ring)
     return rings(surface, settings, whole);
   if (settings.points == 0)
@@ -164,7 +164,7 @@ modal::RawTable empty_table(const Grid& grid, const RawSettings& settings) {
                        static_cast<double>(out.samples);
   if (bytes > 3e9)
     throw InputError(
-        format("the velocities would take %.1f GB: take fewer --points, --hit places or "
+        format("the velocities would take %.1f GB: use fewer --points, --hit positions or "
                "--seconds",
                bytes / 1e9));
   out.sample_rate_hz = settings.sample_rate;
@@ -215,9 +215,9 @@ std::vector<float> modal_velocities(const BodyModel& model, const SurfacePoint& 
 
 modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& given) {
   if (table.shape.empty())
-    throw InputError("the table has no mode shapes: nothing moves");
+    throw InputError("the table has no mode shapes: expected one with phi");
   if (given.hit_m.empty())
-    throw InputError("no place to strike: give --hit X,Y,Z");
+    throw InputError("no strike position: expected --hit X,Y,Z");
   RawSettings settings = given;
   settings.side = unit(given.side);
   const auto loaded = std::make_shared<const LoadedTable>(table);

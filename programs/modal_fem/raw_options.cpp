@@ -31,8 +31,8 @@ std::vector<double> numbers(const std::string& option, const std::string& words,
 double within(const std::string& option, const std::string& word, double low, double high) {
   const double value = numbers(option, word, 1, 1)[0];
   if (!(value >= low && value <= high))
-    throw InputError(option + " " + word + ": expected a number from " + format("%g", low) +
-                     " to " + format("%g", high));
+    throw InputError(option + " " + word + ": expected a number in " + format("%g", low) + ".." +
+                     format("%g", high));
   return value;
 }
 
@@ -91,7 +91,7 @@ RawOptions read_raw_options(const std::vector<std::string>& words) {
     } else if (option == "--striker") {
       const auto p = numbers(option, value(), 4, 1);
       if (!(p[0] > 0 && p[1] > 0 && p[2] > 0 && p[3] > -1 && p[3] < .5))
-        throw InputError("--striker: expected KG,RADIUS_MM,E_PA,NU above 0");
+        throw InputError("--striker: expected KG,RADIUS_MM,E_PA above 0 and NU between -1 and 0.5");
       settings.striker.mass_kg = p[0];
       settings.striker.radius_m = 1e-3 * p[1];
       settings.striker.youngs_modulus_pa = p[2];
@@ -99,14 +99,14 @@ RawOptions read_raw_options(const std::vector<std::string>& words) {
     } else if (input.empty() && option.substr(0, 1) != "-") {
       input = option;
     } else {
-      throw InputError("unknown option " + option + " of raw; modal_fem --help lists them");
+      throw InputError("unknown option " + option + " of raw; see modal_fem --help");
     }
   }
   if (input.empty() || output.empty())
     throw InputError("raw needs a table and -o NAME.modal.npz");
   check_output("-o", output);
   if (settings.ring && settings.points == 0)
-    throw InputError("--points all: rings need a number");
+    throw InputError("--points all: expected a number for rings");
   return options;
 }
 
@@ -121,7 +121,7 @@ NpzWriter copy_without_raw(const std::string& input, std::span<const std::byte> 
       continue; // recomputed
     if (a.big_endian || a.fortran_order)
       throw InputError(input + ": array " + a.name +
-                       " is big-endian or columns first; save it plainly");
+                       " is big-endian or in Fortran order: save it little-endian in C order");
     const std::string kind =
         (a.item_bytes == 1 ? "|" : "<") + std::string(1, a.kind) + std::to_string(a.item_bytes);
     npz.add_bytes(a.name, kind.c_str(), a.bytes, a.shape);
@@ -154,7 +154,7 @@ int run_raw(const std::vector<std::string>& words) {
   npz.add("raw_hit", flat(raw.hit_m), {raw.hits, 3});
   npz.add("raw_fs", std::span(&raw.sample_rate_hz, 1), {});
   write_npz(output, npz);
-  std::printf("%zu places struck, %zu points, %zu samples at %g Hz: %.1f MB\n", raw.hits,
+  std::printf("%zu strike positions, %zu points, %zu samples at %g Hz: %.1f MB\n", raw.hits,
               raw.points, raw.samples, raw.sample_rate_hz,
               4e-6 * static_cast<double>(raw.velocity_m_per_s.size()));
   return 0;
@@ -163,7 +163,7 @@ int run_raw(const std::vector<std::string>& words) {
 std::string raw_usage() {
   return R"(
 modal_fem raw TABLE.modal.npz --hit X,Y,Z ... -o OUT.modal.npz
-              adds the surface's velocities after impacts (AudioHaptics' tables) to a table
+              add the surface velocities after impacts (AudioHaptics' tables) to a table
               --hit X,Y,Z  mm, once for each point   --side +z  the faces that radiate
               --grid full|ring  --ring-angle DEGREES  --points N|all (200)
               --seconds S (0.5)  --rate HZ (44100)

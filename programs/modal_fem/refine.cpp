@@ -170,10 +170,11 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> constr
   if (worst <= tolerance || tolerance <= 0)
     return true;
   if (!refines_)
-    return leave(options_.is_file && is_volume_mesh(options_.body) ? "a volume mesh is not refined"
+    return leave(options_.is_file && is_volume_mesh(options_.body)
+                     ? "a volume mesh cannot be refined"
                  : options_.slepc || !options_.import_values.empty()
-                     ? "modes from elsewhere keep their mesh; give a smaller --h"
-                     : "the mesh was given (--h, --layers); without them it is refined");
+                     ? "the mesh of imported modes is not refined; use a smaller --h"
+                     : "--h and --layers fix the mesh; without them it is refined");
   if (round_ + 1 >= kMaxRounds)
     return leave("the mesh was refined " + std::to_string(round_) + " times");
   // If the last target was missed, the next one is lower by the same factor.
@@ -194,8 +195,8 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> constr
     if (target > .8 * worst)
       return leave(!over_budget.empty()
                        ? over_budget
-                       : format("a finer mesh would have some %.0f unknowns (--tolerance given "
-                                "allows them)",
+                       : format("a finer mesh would have about %.0f unknowns (allow them with "
+                                "--tolerance)",
                                 size.dofs()));
   }
   ++round_;

@@ -22,7 +22,7 @@ constexpr double kSettle = .1;
 
 void check_residual(const ModalOptions& options, const Material& material) {
   if (options.residual && !material.isotropic())
-    throw InputError("--residual needs an isotropic material, " + material.name +
+    throw InputError("--residual: expected an isotropic material, " + material.name +
                      " is orthotropic");
 }
 
@@ -129,8 +129,8 @@ void radiate_into(Solved& body, const ModalOptions& options, ProgressLine& progr
   body.radiation = radiate(body.mesh, body.modes, sound);
   if (body.modes.frequency_hz.back() * options.ratios.back() > body.radiation.resolved_hz)
     progress.notify(
-        format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
-               "more than 0.3 dB there, or take more --acoustic-triangles",
+        format("above %.0f Hz a wavelength in air has fewer than four acoustic elements: expect "
+               "errors above 0.3 dB there, or use more --acoustic-triangles",
                body.radiation.resolved_hz));
 }
 
@@ -146,8 +146,8 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
   forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
   if (parts.count > 1 && !options.several_parts)
-    throw InputError("the mesh falls into " + std::to_string(parts.count) +
-                     " parts that share no node, expected one (allow it with --multi)");
+    throw InputError("the mesh has " + std::to_string(parts.count) +
+                     " parts that share no node, expected one (allow more with --multi)");
   body.materials = materials_of(options, body.mesh);
   check_residual(options, body.materials[0]);
   const std::vector<Support> supports = supports_of(options, body.mesh);
@@ -159,7 +159,7 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
       }));
   const auto& held = body.matrices->constrained;
   if (std::all_of(held.begin(), held.end(), [](auto h) { return h != 0; }))
-    throw InputError("the supports hold every node: expected a part that can move");
+    throw InputError("the supports fix every node: expected a movable part");
   return body;
 }
 
@@ -188,7 +188,7 @@ void refine(Solved& body, const ModalOptions& options, Refinement& refinement, E
       body = std::move(next);
       error = std::move(remaining);
     } catch (const std::bad_alloc&) {
-      refinement.give_up("a finer mesh takes more memory than there is");
+      refinement.give_up("not enough memory for a finer mesh");
       break;
     } catch (const InputError& refusal) {
       refinement.give_up(refusal.what());
@@ -231,7 +231,7 @@ std::vector<Support> supports_of(const ModalOptions& options, const Mesh& mesh) 
     }
     if (support.nodes.empty())
       throw InputError("--" + fixed_region.words +
-                       " meets no node of the body's skin: expected a place on it");
+                       " selects no node of the body's skin: expected a region of it");
     supports.push_back(std::move(support));
   }
   return supports;

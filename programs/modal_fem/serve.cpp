@@ -110,8 +110,8 @@ private:
   void compare_with_table(const Solved& body) const {
     const auto& found = body.modes.frequency_hz;
     if (found.size() != table_.modes())
-      throw InputError(path_ + format(" has %zu modes, %zu are found at its own shape",
-                                      table_.modes(), found.size()));
+      throw InputError(
+          path_ + format(" has %zu modes, its own shape has %zu", table_.modes(), found.size()));
     const Surface skin = surface_of(body.mesh);
     if (skin.node.size() != table_.vertices())
       throw InputError(path_ + format(" has %zu vertices, its mesh has %zu", table_.vertices(),
@@ -120,8 +120,8 @@ private:
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (!(std::abs(found[k] / table_.frequency_hz[k] - 1) <= kSameFrequency))
         throw InputError(path_ +
-                         format(": mode %zu has %.9g Hz, %.9g Hz are found at the table's own "
-                                "shape: expected the file that modal_fem wrote, unchanged",
+                         format(": mode %zu has %.9g Hz in the table, %.9g Hz at the table's own "
+                                "shape: expected the unchanged file that modal_fem wrote",
                                 k + 1, table_.frequency_hz[k], found[k]));
       double both = 0, own = 0, here = 0;
       for (std::size_t v = 0; v < skin.node.size(); ++v) {
@@ -137,9 +137,9 @@ private:
       }
       if (!(both >= kSameShape * std::sqrt(own * here)))
         throw InputError(path_ +
-                         format(": mode %zu of the table has another shape than is found at "
-                                "the table's own shape: expected the file that modal_fem "
-                                "wrote, unchanged",
+                         format(": the mode shape of mode %zu in the table differs from that at "
+                                "the table's own shape: expected the unchanged file that modal_fem "
+                                "wrote",
                                 k + 1));
     }
   }

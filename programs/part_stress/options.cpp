@@ -15,25 +15,26 @@ const std::vector<ShapeEntry>& shapes_of_parts() {
     std::vector<ShapeEntry> all{
         {"lift_arm",
          "a tractor's lift arm: a curved plate with three bosses (docs/part_stress.md)",
-         {{"length", mm(arm.length), "380, from the hub to the rod eye"},
-          {"rise", mm(arm.rise), "55, of the centreline"},
-          {"depth", mm(arm.depth), "108, of the plate at mid-length"},
-          {"thickness", mm(arm.thickness), "22, of the plate"},
-          {"hub_bore", mm(arm.hub.bore), "60"},
-          {"hub_diameter", mm(arm.hub.diameter), "96"},
-          {"hub_width", mm(arm.hub.width), "62"},
-          {"lift_bore", mm(arm.lift_eye.bore), "30, of the cylinder's eye"},
-          {"lift_diameter", mm(arm.lift_eye.diameter), "56"},
-          {"lift_width", mm(arm.lift_eye.width), "54"},
-          {"lift_position", arm.lift_position, "0.46, along the centreline", false},
-          {"rod_bore", mm(arm.rod_eye.bore), "26, of the lift rod's eye"},
-          {"rod_diameter", mm(arm.rod_eye.diameter), "50"},
-          {"rod_width", mm(arm.rod_eye.width), "50"},
-          {"shoulder", mm(arm.shoulder), "16, of the plate around hub and rod eye"},
-          {"boss_fillet", mm(arm.fillet), "8"},
-          {"slot_width", mm(arm.slot_width), "28, of the lightening holes; 0: none"},
-          {"web", mm(arm.web), "14, between a boss and a lightening hole"},
-          {"edge_radius", mm(arm.edge_radius), "0, of the plate's outline"}}}};
+         {{"length", mm(arm.length), "from the hub to the rod eye (380)"},
+          {"rise", mm(arm.rise), "of the centreline (55)"},
+          {"depth", mm(arm.depth), "of the plate at mid-length (108)"},
+          {"thickness", mm(arm.thickness), "of the plate (22)"},
+          {"hub_bore", mm(arm.hub.bore), "(60)"},
+          {"hub_diameter", mm(arm.hub.diameter), "(96)"},
+          {"hub_width", mm(arm.hub.width), "(62)"},
+          {"lift_bore", mm(arm.lift_eye.bore), "of the cylinder's eye (30)"},
+          {"lift_diameter", mm(arm.lift_eye.diameter), "(56)"},
+          {"lift_width", mm(arm.lift_eye.width), "(54)"},
+          {"lift_position", arm.lift_position, "along the centreline, between 0 and 1 (0.46)",
+           false},
+          {"rod_bore", mm(arm.rod_eye.bore), "of the lift rod's eye (26)"},
+          {"rod_diameter", mm(arm.rod_eye.diameter), "(50)"},
+          {"rod_width", mm(arm.rod_eye.width), "(50)"},
+          {"shoulder", mm(arm.shoulder), "of the plate around hub and rod eye (16)"},
+          {"boss_fillet", mm(arm.fillet), "(8)"},
+          {"slot_width", mm(arm.slot_width), "of the lightening holes; 0: none (28)"},
+          {"web", mm(arm.web), "between a boss and a lightening hole (14)"},
+          {"edge_radius", mm(arm.edge_radius), "of the plate's outline (0)"}}}};
     const auto& swept = known_shapes();
     all.insert(all.end(), swept.begin(), swept.end());
     return all;
@@ -44,8 +45,8 @@ const std::vector<ShapeEntry>& shapes_of_parts() {
 void expect_end(const std::string& option, const std::vector<std::string>& parts, std::size_t count,
                 const char* expected) {
   if (parts.size() != count)
-    throw InputError(option + ": expected " + expected + " after the place, found " +
-                     std::to_string(parts.size()) + " words between colons");
+    throw InputError(option + ": expected " + expected + " after WHERE, got " +
+                     std::to_string(parts.size()) + " parts between colons");
 }
 
 SupportOptions read_support(const std::string& option, const std::string& words, double unit) {
@@ -66,9 +67,9 @@ SupportOptions read_support(const std::string& option, const std::string& words,
   support.stiffness_n_per_m = one ? Vec3{k[0], k[0], k[0]} : Vec3{k[0], k[1], k[2]};
   for (const double stiffness : k)
     if (!(stiffness >= 0))
-      throw InputError(option + " " + words + ": expected stiffnesses of 0 or more N/m");
+      throw InputError(option + " " + words + ": expected stiffnesses of 0 N/m or more");
   if (!(length(support.stiffness_n_per_m) > 0))
-    throw InputError(option + " " + words + ": expected a stiffness above 0");
+    throw InputError(option + " " + words + ": expected a stiffness above 0 N/m");
   return support;
 }
 
@@ -116,11 +117,10 @@ void check_complete(const PartOptions& options) {
   if (options.is_file)
     check_readable(options.body);
   if (options.supports.empty())
-    throw InputError(options.body + ": nothing holds it: expected --fix or --spring");
+    throw InputError(options.body + ": no supports: expected --fix or --spring");
   if (options.loads.empty() && options.gravity == Vec3{})
-    throw InputError(options.body +
-                     " carries no load: expected --force, --bolt, --pressure, --traction, "
-                     "--point or --gravity");
+    throw InputError(options.body + ": no loads: expected --force, --bolt, --pressure, --traction, "
+                                    "--point or --gravity");
 }
 
 } // namespace
@@ -218,17 +218,18 @@ PartOptions read_options(const std::vector<std::string>& words) {
     }
   }
   if (options.ranks > 0 && !options.petsc)
-    throw InputError("--ranks is the number of processes of --engine petsc, which is not chosen");
+    throw InputError(
+        "--ranks sets the number of processes of --engine petsc: expected --engine petsc too");
   if (options.petsc && !options.output.empty())
     throw InputError(
-        "-o: the table holds derivatives by every parameter, which --engine petsc does "
-        "not find; expected --vtu, --sheet or --export-inp");
+        "-o: the table needs derivatives with respect to every parameter, which --engine petsc "
+        "does not compute: expected --vtu, --sheet or --export-inp");
   if (options.ranks == 0)
     options.ranks = 2;
   if (!options.step.empty() && !options.is_lift_arm())
-    throw InputError("--step writes the shape lift_arm, " + options.body + " is none");
+    throw InputError("--step writes the shape lift_arm, not " + options.body);
   if (options.list_faces && !options.is_file && !options.is_lift_arm())
-    throw InputError("--list-faces lists those of a CAD file, " + options.body + " is none");
+    throw InputError("--list-faces lists the faces of a CAD file, not of " + options.body);
   if (options.is_lift_arm()) {
     (void)options.lift_arm(); // refused before any work
     if (options.supports.empty() && options.loads.empty() && options.gravity == Vec3{})
@@ -239,34 +240,34 @@ PartOptions read_options(const std::vector<std::string>& words) {
 }
 
 std::string usage() {
-  return R"(part_stress BODY [options]      the stress of a loaded part, and how it follows the part's shape
-part_stress serve FILE.stress.npz [--tolerance T]   solves the part of a file again, asked on stdin
-                                    (docs/part_stress.md)
+  return R"(part_stress BODY [options]      compute the stress of a loaded part and its shape derivatives
+part_stress serve FILE.stress.npz [--tolerance T]   solve the part of a file again, by requests on
+                                    stdin (docs/part_stress.md)
 
 BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimensions:
 )" + usage_of_shapes(shapes_of_parts()) +
          usage_of_material() + R"(Supports      --fix WHERE[:xyz]             hold rigidly
-              --spring WHERE:KX,KY,KZ       elastic bedding, N/m of the whole patch
-Loads         --force WHERE:FX,FY,FZ        a force spread evenly, N (--load is the same)
-              --bolt WHERE:FX,FY,FZ         a pin's force on the wall of its hole, N
-              --pressure WHERE:PA           positive pushes into the body
-              --traction WHERE:TX,TY,TZ     Pa
-              --point X,Y,Z:FX,FY,FZ        on the nearest node of the skin, N
-              --gravity GX,GY,GZ            m/s^2
+              --spring WHERE:KX,KY,KZ       elastic support, N/m of the whole patch
+Loads         --force WHERE:FX,FY,FZ        total force, spread evenly, N (--load is the same)
+              --bolt WHERE:FX,FY,FZ         force of a pin on the wall of its hole, N
+              --pressure WHERE:PA           pressure, Pa; positive into the body
+              --traction WHERE:TX,TY,TZ     force per area, Pa
+              --point X,Y,Z:FX,FY,FZ        force on the nearest node of the skin, N
+              --gravity GX,GY,GZ            acceleration, m/s^2
 )" + usage_of_regions() +
          usage_of_mesh() +
-         R"(              --list-faces  prints the faces of a CAD file, their numbers and places
+         R"(              --list-faces  list the faces of a CAD file with numbers and positions
 )" + usage_of_lattice() +
-         R"(              --move ID DX DY DZ    the picture after control point ID moved; may be repeated
-Work          --threads N (1)  --memory SIZE  refuse work that takes more, such as 800M or 4G
-              --engine petsc --ranks N  (2)  the equations on N processes of mpirun; no derivatives
-Output        -o NAME.stress.npz  --skin LENGTH (the mesh's)  edges of the skin drawn from it
+         R"(              --move ID DX DY DZ    move control point ID and solve again; may be repeated
+Work          --threads N (1)  --memory SIZE  memory limit, such as 800M or 4G
+              --engine petsc --ranks N  (2)  solve on N processes of mpirun, without derivatives
+Output        -o NAME.stress.npz  --skin LENGTH (the mesh's)  edge length of the skin to draw
               --sheet FILE.png  --vtu FILE
               --export-inp FILE  mesh, supports and nodal loads for CalculiX
               --step FILE        the shape lift_arm as a CAD file
-              --quiet  no progress
+              --quiet  show no progress
 
-part_stress lift_arm alone is held at its hub, pulled at the rod eye and pushed at the lift eye.
+By default, lift_arm is fixed at its hub, pulled at the rod eye and pushed at the lift eye.
 )";
 }
 

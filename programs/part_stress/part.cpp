@@ -48,8 +48,8 @@ void check_budget(const PartOptions& options, const Budget& budget, const MeshSi
   throw TooLarge(
       options.name() + format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
       " would take " + format_bytes(bytes) + ", expected at most " + format_bytes(budget.bytes()) +
-      (options.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
-      (h < largest ? format(": take --h %.2g", h / options.unit) : "") +
+      (options.memory_bytes > 0 ? " (--memory)" : ", half of the free memory (--memory)") +
+      (h < largest ? format(": use --h %.2g", h / options.unit) : "") +
       (options.petsc || !options.output.empty() ? ""
                                                 : ", or --engine petsc over several processes"));
 }
@@ -166,7 +166,7 @@ Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::s
   const double flatness = (dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2])) / (whole * whole);
   if (!(along < .02 && flatness < .9))
     throw InputError("--" + words +
-                     ": expected the wall of a round hole or pin, whose faces turn "
+                     ": expected the wall of a round hole or pin, with faces all "
                      "around one axis");
   return axis;
 }
@@ -217,8 +217,8 @@ void check_loads_act(const PartOptions& options, const Mesh& mesh, const StaticM
     }
     if (whole > 0 && moving < 1e-9 * whole)
       throw InputError("--" + options.loads[k].words +
-                       " acts on held nodes alone, so that the support takes it and the part no "
-                       "stress: expected a place that can move");
+                       " acts only on fixed nodes, so that it causes no stress: expected a region "
+                       "that can move");
   }
 }
 
@@ -243,8 +243,8 @@ Mesh mesh_of(const PartOptions& options, ProgressLine& progress) {
   check_budget(options, budget, size_of(mesh),
                [&](double h) { return resized_tetrahedra(size_of(mesh), h); });
   if (const Parts parts = connected_parts(mesh); parts.count > 1 && !options.several_parts)
-    throw InputError("the mesh falls into " + std::to_string(parts.count) +
-                     " parts that share no node, expected one (allow it with --multi)");
+    throw InputError("the mesh has " + std::to_string(parts.count) +
+                     " parts that share no node, expected one (allow more with --multi)");
   return mesh;
 }
 
@@ -279,8 +279,8 @@ std::vector<double> parameters_of(std::span<const Move> moves, const DesignSpace
       if (at != space.parameters.end())
         values[static_cast<std::size_t>(at - space.parameters.begin())] += move.displacement[axis];
       else if (move.displacement[axis] != 0)
-        throw InputError(format("--move %d: control point %d may not move along %c (--controls, "
-                                "--directions, or a face of the box that the body passes through)",
+        throw InputError(format("--move %d: control point %d is fixed along %c by --controls, "
+                                "--directions or a face of the box that the body passes through",
                                 move.control, move.control, 'x' + axis));
     }
   return values;

@@ -51,7 +51,7 @@ constexpr double kSmallDisplacement = 0.1;
 void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {
   const std::size_t at = s.peak, in = index_of_largest(s.at_elements);
   std::printf("%-7s von Mises: largest %.4g +- %.2g MPa (at nodes) at (%.4g, %.4g, %.4g) mm, "
-              "%.4g +- %.2g MPa in an element's middle; mean %.4g +- %.2g MPa, by volume %.4g +- "
+              "%.4g +- %.2g MPa (at element centroids); mean %.4g +- %.2g MPa, by volume %.4g +- "
               "%.2g MPa\n"
               "        largest displacement %.5g mm; volume %.6g cm^3\n",
               when, 1e-6 * s.von_mises[at], 1e-6 * s.error[at], 1e3 * s.nodes[at].x,
@@ -63,17 +63,18 @@ void print_state(const char* when, const PictureState& s, std::span<const double
               1e3 * s.max_displacement, 1e6 * s.volume);
   if (s.peak_away) {
     const std::size_t away = *s.peak_away;
-    std::printf("        the largest is at a singular corner (a concave edge, the border of a "
-                "support, or a point's force), where it grows with each refinement; away from "
-                "corners the largest is %.4g +- %.2g MPa at (%.4g, %.4g, %.4g) mm\n",
+    std::printf("        the largest is at a singularity (a concave edge, the border of a "
+                "support, or a point force), where it grows with each refinement; elsewhere "
+                "the largest is %.4g +- %.2g MPa at (%.4g, %.4g, %.4g) mm\n",
                 1e-6 * s.von_mises[away], 1e-6 * s.error[away], 1e3 * s.nodes[away].x,
                 1e3 * s.nodes[away].y, 1e3 * s.nodes[away].z);
   }
   const double share = s.max_displacement / bounding_box(s.nodes).largest();
   if (share > kSmallDisplacement)
-    std::printf("        the largest displacement is %.3g %% of the part's length: the stress is "
-                "that of small displacements, expected at most %g %%\n",
-                100 * share, 100 * kSmallDisplacement);
+    std::printf(
+        "        the largest displacement is %.3g %% of the part's length: the linear equations "
+        "are valid up to %g %%\n",
+        100 * share, 100 * kSmallDisplacement);
 }
 
 /// RMS and largest difference, relative to the largest value.
@@ -159,8 +160,8 @@ struct Outcome {
 void print_part(const Problem& problem, const StaticSolution& solution) {
   const DesignSpace& space = problem.space;
   const Vec3 reaction = support_force(problem.mesh, problem.model, solution);
-  std::printf("mass %.6g kg of %s; %zu control points of %zu may move, %zu parameters; supports "
-              "take (%.5g, %.5g, %.5g) N\n",
+  std::printf("mass %.6g kg of %s; %zu movable control points of %zu, %zu parameters; support "
+              "reaction (%.5g, %.5g, %.5g) N\n",
               mass_properties(problem.mesh, problem.model.materials).mass,
               names_of_materials(problem.model.materials).c_str(), space.controls.size(),
               space.weights.control_points.size(), space.parameters.size(), reaction.x, reaction.y,
@@ -169,7 +170,7 @@ void print_part(const Problem& problem, const StaticSolution& solution) {
 
 void print_cut(const ValidStep& step) {
   if (step.fraction < 1)
-    std::printf("the move stops at %.1f %%: element %zu would be too distorted beyond\n",
+    std::printf("the move stops at %.1f %%: beyond it element %zu would be too distorted\n",
                 100 * step.fraction, step.element + 1);
 }
 
@@ -202,8 +203,8 @@ Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
     out.states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));
     print_state("after", out.states[1], element_volumes(part.mesh()));
     const auto error = difference(out.taylor, solved.von_mises);
-    std::printf("        Taylor's series differs by %.3g %% (root mean square), %.3g %% of the "
-                "largest; solved anew by %s in %.3g s, %d iterations\n",
+    std::printf("        the Taylor series differs by %.3g %% (root mean square), %.3g %% of the "
+                "largest; solved again by %s in %.3g s, %d iterations\n",
                 100 * error[0], 100 * error[1], name(solved.method), solved.seconds,
                 solved.iterations);
   }

@@ -53,7 +53,7 @@ double checked_residual(const Matrices& m, const std::vector<double>& u,
     left[i] = right[i] - left[i];
   const double size = norm(right), residual = size > 0 ? norm(left) / size : norm(left);
   if (!(residual <= 10 * kPetscTolerance))
-    throw InputError(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
+    throw InputError(format("--engine petsc failed: its solution has a residual of %.1e of the "
                             "load, expected %.0e",
                             residual, kPetscTolerance));
   return residual;

@@ -15,11 +15,10 @@ std::vector<double> read_numbers(const std::string& option, const std::string& c
   for (const std::string& cell : split(cells, ',')) {
     const auto value = to_number(cell);
     if (!value)
-      throw InputError(option + ": " + printable(cell, 40) + " is no number, expected " +
-                       std::to_string(count) + " of them between commas");
+      throw InputError(option + ": " + printable(cell, 40) + ": not a finite number, expected " +
+                       std::to_string(count) + " between commas");
     if (std::abs(*value) > kMaxNumber)
-      throw InputError(option + ": " + printable(cell, 40) +
-                       ": expected a number within -1e15..1e15");
+      throw InputError(option + ": " + printable(cell, 40) + ": expected a number in -1e15..1e15");
     out.push_back(scale * *value);
   }
   if (out.size() != count)
@@ -38,7 +37,7 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
   const std::string kind = parts.empty() ? "" : parts[0];
   const auto take = [&](std::size_t count) {
     if (parts.size() < count)
-      throw InputError(option + " " + kind + ": expected more after the colon, as --help says");
+      throw InputError(option + " " + kind + ": expected more after the colon; see --help");
     for (std::size_t i = 0; i < count; ++i)
       region.words += (i ? ":" : "") + parts[i];
     std::string last = parts[count - 1];
@@ -68,8 +67,8 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
     const auto face = to_number<int>(word);
     if (!face || *face < 1)
       throw InputError(option + " face:" + printable(word, 40) +
-                       ": expected a number from 1, as "
-                       "--list-faces gives them");
+                       ": expected a number of 1 or more, as listed by "
+                       "--list-faces");
     chosen = InNodeSet{face_set(*face)};
   } else if (kind.size() > 2 && kind[1] == '=' && kind[0] >= 'x' && kind[0] <= 'z') {
     OnPlane plane;
@@ -91,7 +90,7 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
 std::string usage_of_regions() {
   return R"(WHERE is      x=LEVEL  plane:X,Y,Z,NX,NY,NZ  box:X1,Y1,Z1,X2,Y2,Z2  set:NAME  face:N
               cylinder:X1,Y1,Z1,X2,Y2,Z2,R  (the wall of a hole or pin)  sphere:X,Y,Z,R
-              X,Y,Z,R  (what lies in a ball)
+              X,Y,Z,R  (all nodes in a ball)
 )";
 }
 

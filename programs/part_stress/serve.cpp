@@ -38,9 +38,8 @@ bool answer(Reanalysis& part, std::span<const char> request, const DesignSpace& 
   std::memcpy(&method, request.data(), sizeof method);
   std::memcpy(&flags, request.data() + sizeof method, sizeof flags);
   if (method > 2 || flags > (serve::kWithDerivatives | serve::kKeepFactor))
-    throw InputError(
-        format("a request to solve has method %u and flags %u, expected 0 to 2 and 0 to 3", method,
-               flags));
+    throw InputError(format("a request to solve has method %u and flags %u, expected 0..2 and 0..3",
+                            method, flags));
   const bool derivatives = (flags & serve::kWithDerivatives) != 0;
   std::vector<double> requested(parameters);
   if (parameters > 0)
@@ -102,7 +101,7 @@ void refactor(Reanalysis& part) {
 
 int serve(const std::vector<std::string>& words) {
   if (words.size() != 1 && (words.size() != 3 || words[1] != "--tolerance"))
-    throw InputError("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
+    throw InputError("serve: expected one file, NAME.stress.npz, optionally --tolerance T");
   const double tolerance =
       words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
   set_solver_threads(1); // its dense blocks are small: threads would wait for each other

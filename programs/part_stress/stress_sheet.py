@@ -102,7 +102,7 @@ def draw_state(axes, data, meta, state, top, reach):
 
 def words_of(numbers):
     largest, x, y, z, error, mean, mean_error, displacement, volume, singular = numbers
-    corner = ", a singular corner" if singular else ""
+    corner = ", a singularity" if singular else ""
     return (f"largest {largest / 1e6:.4g} ± {error / 1e6:.2g} MPa at ({1e3 * x:.1f}, {1e3 * y:.1f}, {1e3 * z:.1f}) mm{corner}\n"
             f"mean {mean / 1e6:.3g} ± {mean_error / 1e6:.2g} MPa, "
             f"displacement up to {1e3 * displacement:.4g} mm, volume {1e6 * volume:.5g} cm³")
@@ -137,7 +137,7 @@ def main(data_path, picture_path):
         draw_state(axes, data, meta, state, top, reach)
         axes.set_xlim(low[0], high[0])
         axes.set_ylim(low[1], high[1])
-        label = "as given" if states == 1 else ("before", "after")[state]
+        label = "unchanged" if states == 1 else ("before", "after")[state]
         figure.text(0.03, (base + panel + caption - 0.3) / tall, label, fontsize=13, color=INK, weight="bold",
                     va="center")
         figure.text(0.13, (base + panel + caption - 0.3) / tall, words_of(data["numbers"][state]), fontsize=10.5,
@@ -152,12 +152,12 @@ def main(data_path, picture_path):
     if with_taylor:
         taylor, solved = data["taylor"], data["solved"]
         error = np.sqrt(np.sum((taylor - solved) ** 2) / np.sum(solved**2))
-        figure.text(0.50, 0.68 / tall, f"Taylor's series from the first shape differs from the new solution by\n"
+        figure.text(0.50, 0.68 / tall, f"The Taylor series about the first shape differs from the new solution by\n"
                     f"{100 * error:.2g} % (root mean square), {100 * np.abs(taylor - solved).max() / solved.max():.2g} % "
                     "of the largest stress", fontsize=10.5, color=INK, va="center", linespacing=1.35)
     x = 0.03
-    for mark, colour, words in (("s", HELD, "held"), (r"$\rightarrow$", LOAD, "load"), ("o", CONTROL, "control point"),
-                                ("o", PAPER, "control point that stays"), ("o", "none", "largest stress")):
+    for mark, colour, words in (("s", HELD, "support"), (r"$\rightarrow$", LOAD, "load"), ("o", CONTROL, "control point"),
+                                ("o", PAPER, "fixed control point"), ("o", "none", "largest stress")):
         y = 0.14 / tall
         figure.add_artist(plt.Line2D([x + 0.008], [y], marker=mark, ms=7 if mark[0] == "$" else 5, mfc=colour,
                                      mec=INK if colour == "none" else FAINT if colour == PAPER else colour))

@@ -30,13 +30,13 @@ constexpr const char* kUsage =
     R"(tactus_reed_map PRESET [--range P_LO P_HI F_LO F_HI] [--bore HZ] [--nodes COLUMNS ROWS]
                 [--part I/N] > map.csv
 
-Where an instrument plays, over mouth pressure and reed frequency, one line a node.
+Prints where an instrument plays, over mouth pressure and reed frequency, one line per node.
 
   PRESET   clarinet, sax, oboe, trumpet, trombone, voice or syrinx
-  --range  Pa and Hz (a range in which the preset plays)
-  --bore   8..4000 Hz, the bore's frequency (the preset's own length)
-  --nodes  2..2000, along pressure and along frequency (61 61)
-  --part   the I-th of N shares of the rows, for batches
+  --range  mouth pressure, Pa, and reed frequency, Hz (a range in which the preset plays)
+  --bore   frequency of the bore, 8..4000 Hz (from the preset's own length)
+  --nodes  2..2000 nodes along pressure and along frequency (61 61)
+  --part   share I of N of the rows, for batches
 )";
 
 struct Order {
@@ -68,10 +68,10 @@ bool take(std::span<char*> words, std::size_t at, std::span<double> values, doub
 /// A sentence when the command line is not understood, else empty.
 std::string read(std::span<char*> words, Order& order) {
   if (words.empty())
-    return "no preset: expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
+    return "no preset given: expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
   const auto preset = find_preset(words[0]);
   if (!preset)
-    return "no preset " + std::string(words[0]) +
+    return "preset " + std::string(words[0]) +
            ": expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
   order.parameters = *preset;
   order.range = range_for(*preset);
@@ -85,12 +85,12 @@ std::string read(std::span<char*> words, Order& order) {
       i += 4;
     } else if (option == "--bore") {
       if (!take(words, i, std::span(v, 1), 8, 4000))
-        return "--bore: expected 8 to 4000 Hz";
+        return "--bore: expected 8..4000 Hz";
       order.bore_frequency = v[0];
       i += 1;
     } else if (option == "--nodes") {
       if (!take(words, i, std::span(v, 2), 2, 2000))
-        return "--nodes: expected 2 to 2000, twice";
+        return "--nodes: expected two numbers in 2..2000";
       order.columns = static_cast<std::size_t>(v[0]);
       order.rows = static_cast<std::size_t>(v[1]);
       i += 2;
@@ -101,7 +101,7 @@ std::string read(std::span<char*> words, Order& order) {
       order.part = *part;
       i += 1;
     } else {
-      return "there is no option " + std::string(option) + "; --help shows all";
+      return "unknown option " + std::string(option) + "; see --help";
     }
   }
   return "";
@@ -141,5 +141,5 @@ int main(int argc, char** argv) {
                   theory.equilibrium(pressure, reed).free ? 1 : 0);
     }
   }
-  return std::fflush(stdout) == 0 ? 0 : refuse("cannot write");
+  return std::fflush(stdout) == 0 ? 0 : refuse("cannot write to standard output");
 }

@@ -79,43 +79,43 @@ std::string parse_option(std::string_view option, std::span<char*> values, Optio
     for (const char* name : values) {
       const auto feel = feel_named(name);
       if (!feel)
-        return "--feel: off, reeds, growth, height or guidance, not " + std::string(name);
+        return "--feel " + std::string(name) + ": expected off, reeds, growth, height or guidance";
       options.feels.push_back(*feel);
     }
   } else if (option == "--hand") {
     const std::string_view name = values.size() == 1 ? values[0] : "";
     if (name != "searches" && name != "wanders")
-      return "--hand: searches or wanders";
+      return "--hand: expected searches or wanders";
     options.trial.exploration.strategy =
         name == "wanders" ? study::Strategy::kWanders : study::Strategy::kSearches;
   } else if (option == "--ceiling") {
     options.ceilings = numbers(values, kMany, 0.01, 20);
     if (options.ceilings.empty())
-      return "--ceiling: 0.01 to 20 N";
+      return "--ceiling: expected 0.01..20 N";
   } else if (option == "--gain") {
     if ((v = numbers(values, 1, 0, 1000)).empty())
-      return "--gain: 0 to 1000 N";
+      return "--gain: expected 0..1000 N";
     options.trial.gain_n = v[0];
   } else if (option == "--stiffness") {
     options.stiffnesses = numbers(values, kMany, 1, 5000);
     if (options.stiffnesses.empty())
-      return "--stiffness: 1 to 5000 N/m";
+      return "--stiffness: expected 1..5000 N/m";
   } else if (option == "--damping") {
     if ((v = numbers(values, 1, 0, 100)).empty())
-      return "--damping: 0 to 100 N s/m";
+      return "--damping: expected 0..100 N s/m";
     options.trial.hand.damping_n_s_per_m = v[0];
   } else if (option == "--yield") {
     if ((v = numbers(values, 1, 0, 100)).empty())
-      return "--yield: 0 to 100 s";
+      return "--yield: expected 0..100 s";
     options.trial.hand.yield_s = v[0];
   } else if (option == "--seeds") {
     if ((v = numbers(values, 2, 1, 1e6)).size() != 2 || v[0] > v[1])
-      return "--seeds: first and last, 1 to 1000000";
+      return "--seeds: expected the first and the last in 1..1000000";
     options.first = static_cast<std::size_t>(v[0]);
     options.last = static_cast<std::size_t>(v[1]);
   } else if (option == "--seconds") {
     if ((v = numbers(values, 1, 1, 3600)).empty())
-      return "--seconds: 1 to 3600";
+      return "--seconds: expected 1..3600";
     options.trial.duration_s = v[0];
   } else if (option == "--part") {
     const auto part = programs::to_part(values.size() == 1 ? values[0] : "");
@@ -125,14 +125,14 @@ std::string parse_option(std::string_view option, std::span<char*> values, Optio
   } else if (option == "--trace" && values.empty()) {
     options.trace = true;
   } else {
-    return "what is " + std::string(option) + "?";
+    return "unknown option " + std::string(option);
   }
   return "";
 }
 
 std::string parse(std::span<char*> arguments, Options& options) {
   if (arguments.empty() || !reed::find_preset(arguments[0]))
-    return "which preset? clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
+    return "no preset given: expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
   options.preset = arguments[0];
   for (std::size_t i = 1; i < arguments.size();) {
     const auto values = values_of(arguments, i);

@@ -133,7 +133,7 @@ def equal_forces(rows):
                   for ceiling in (1, 2) for feel in ("reeds", "guidance")]
         out = 100 - 100 * column(rows, "playing", feel="off", **common).mean()
         table.append([preset, "yes" if preset in DESIGNED_ON else "no", f"{out:.0f} %", *ratios])
-    return (["instrument", "used to design guidance", "time out, no force", "five reeds, 1 N",
+    return (["instrument", "used to design guidance", "time outside, no force", "five reeds, 1 N",
              "guidance, 1 N", "five reeds, 2 N", "guidance, 2 N"], table)
 
 
@@ -154,8 +154,8 @@ def summary(rows, preset, hand):
                           f"{values('playing_force_n').mean():.2f} N",
                           f"{values('speed_mm_s').mean():.0f} mm/s",
                           f"{values('places').mean():.0f}"])
-    return (["force", "playing", "time out / no force", "notes lost a minute", "first note after",
-             "a silence lasts", "mean force", "while playing", "hand's speed", "places played"], table)
+    return (["force", "playing", "time outside / no force", "notes lost per minute", "first note after",
+             "length of a silence", "mean force", "while playing", "hand's speed", "places played"], table)
 
 
 def stiffness(rows):
@@ -168,12 +168,12 @@ def stiffness(rows):
             table.append([preset, f"{newtons_per_m} N/m", f"{out:.0f} %",
                           *(said(time_out(rows, "guidance", ceiling, **common), 1, 2)
                             for ceiling in CEILINGS)])
-    return (["instrument", "hand's stiffness", "time out, no force", "ratio at 1 N", "2 N", "3.3 N"],
+    return (["instrument", "hand's stiffness", "time outside, no force", "ratio at 1 N", "2 N", "3.3 N"],
             table)
 
 
 def yields(rows):
-    return (["instrument", "gives way within", "ratio at 2 N"],
+    return (["instrument", "yields within", "ratio at 2 N"],
             [[preset, f"{seconds:g} s" if seconds else "never",
               said(time_out(rows, "guidance", 2, preset=preset, hand="searches", seeds=(1, 10),
                             **{"yield": seconds}), 1, 2)]

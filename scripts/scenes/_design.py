@@ -16,7 +16,7 @@ class Part:
     def __init__(self, name, layer):
         self.path = stage_folder() / f"{name}.stress.npz"
         if not self.path.is_file():
-            raise RuntimeError(f"no {self.path}: it is made where the finite elements are built")
+            raise RuntimeError(f"{self.path}: file not found: build the finite-element programs first")
         table = numpy.load(self.path)
         self.stress, self.slope = table["s0"].astype(float), table["S"].astype(float)
         self.weights = table["weights"] / table["weights"].sum()
@@ -135,7 +135,7 @@ class Solver:
         shape."""
         payload, seconds = self._ask(PCG, 0, parameters)
         if payload is None:
-            raise RuntimeError("the mesh does not reach this shape")
+            raise RuntimeError("the mesh would be too distorted in this shape")
         return self._floats(payload, 0, len(self.part.stress)), seconds
 
     def linearised(self, parameters):

@@ -241,7 +241,7 @@ def descend(shapes, solver):
 
 JUDGED = range(101, 121)  # the setups were chosen on seeds 1 to 20
 # What was tried first, on seeds 0 to 19: a narrow and a wider range about the hand, and one about the first shape.
-TRIED = {"mean, range within 0.25 % of the value at hand": Setup("-weights volume", 2.5e-3, 1, False),
+TRIED = {"mean, range within 0.25 % of the present value": Setup("-weights volume", 2.5e-3, 1, False),
          "mean, range within 0.5 %": Setup("-weights volume", 5e-3, 1, False),
          "mean, range within 5 % of the first shape's": Setup("-weights volume", 5e-2, 1, False, True)}
 

@@ -16,17 +16,18 @@ YOUNG = 72.35e9        # Pa, with the table's 2700 kg/m^3; the paper says 70.3e9
 PATCH_RADIUS = 9       # mm, where the post touches the back
 STIFFNESS = 4.95e8     # N/m, of the post along its axis
 
-ACCOUNT = """Given: diameter, thickness, Poisson's ratio, ball, height, places. Chosen to fit: Young's
-modulus over density, 2.9 % up (the two-diameter mode, which the support hardly moves, must lie at
-5986 Hz; aluminium-magnesium alloys have such values, 0.2 mm more thickness would do the same), and the
-support's two numbers, a patch of 9 mm radius at the centre of the back on a post of 0.5 GN/m along
-its axis, free to slide (of aluminium, 18 mm across and 36 mm long). Three numbers for three peaks: that
-they fit shows that one plain support suffices, not that it is the one the authors had. A rigid clamp
-alone does not do it: one of 2 mm radius leaves the first peak 7 % too low, one of 3 mm puts the third
-9 % too high. The clamp of 2 mm has, within 0.8 %, the paper's simulated 3668 Hz, as if its mesh had
-been held there. Not explained: the measured 9186 Hz (the free disk has 9993 Hz, the fitted one nothing
-between 6 and 13 kHz), and the paper's simulated 5720 Hz, 2.9 % below what its own numbers give. Peaks
-that the fit was not asked for: 1338 Hz (the disk rocks on its post) and 13.06 kHz."""
+ACCOUNT = """The paper gives the diameter, thickness, Poisson's ratio, ball, height and positions. Three numbers
+were fitted: Young's modulus over density, 2.9 % higher (the two-diameter mode, whose frequency hardly
+depends on the support, must lie at 5986 Hz; aluminium-magnesium alloys have such values, and 0.2 mm more
+thickness would have the same effect), and two of the support, a patch of 9 mm radius at the centre of the
+back on a post of 0.5 GN/m along its axis, free to slide (of aluminium, 18 mm across and 36 mm long). With
+three numbers for three peaks, the fit shows that one plain support suffices, not that the authors used
+this one. A rigid clamp alone does not suffice: with 2 mm radius the first peak is 7 % too low, with 3 mm
+the third is 9 % too high. The clamp of 2 mm gives, within 0.8 %, the paper's simulated 3668 Hz, as if its
+mesh had been fixed there. Two peaks are not explained: the measured 9186 Hz (the free disk has 9993 Hz, the
+fitted one no peak between 6 and 13 kHz), and the paper's simulated 5720 Hz, 2.9 % below the frequency that
+its own numbers give. The fit also has peaks outside the three: 1338 Hz (the disk rocks on its post) and
+13.06 kHz."""
 
 
 def held(young, radius_mm, stiffness, modes=40, tolerance=0.2):
@@ -41,8 +42,8 @@ def held(young, radius_mm, stiffness, modes=40, tolerance=0.2):
 def tables(progress=lambda text: None):
     found = {}
     for name, make in {"free": lambda: _bodies.table(*DISK),
-                       "held, clamp of 2 mm": lambda: held(70.3e9, 2, None),
-                       "held, fitted": lambda: held(YOUNG, PATCH_RADIUS, STIFFNESS)}.items():
+                       "fixed, clamp of 2 mm": lambda: held(70.3e9, 2, None),
+                       "fixed, fitted support": lambda: held(YOUNG, PATCH_RADIUS, STIFFNESS)}.items():
         found[name] = make()
         progress(f"modes of the disk, {name}")
     return found

@@ -102,8 +102,8 @@ def experiment(count=120, seed=1):
         learnt = [seen[taught, name][:, columns] for name in DISKS]
         return Discriminant(*learnt).right(*(seen[asked, name][:, columns] for name in DISKS))
 
-    found["right"] = {"taught near and gently, asked far and hard": share_right("learnt", "tried"),
-                      "taught far and hard, asked near and gently": share_right("tried", "learnt")}
+    found["right"] = {"trained on near and gentle, tested on far and hard": share_right("learnt", "tried"),
+                      "trained on far and hard, tested on near and gentle": share_right("tried", "learnt")}
     found["single"] = {FEATURES[k]: (share_right("learnt", "tried", slice(k, k + 1)),
                                      share_right("tried", "learnt", slice(k, k + 1)))
                        for k in range(len(FEATURES))}

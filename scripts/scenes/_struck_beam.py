@@ -63,17 +63,17 @@ def make(scene):
     at = at[at < len(times)]
     for k in range(MODES):
         axes[0].plot(times[at], now[at, k] / 1000, "o", markersize=3, markerfacecolor="none", markeredgecolor="white",
-                     markeredgewidth=0.7, label="solved anew" if k == 0 else None)
+                     markeredgewidth=0.7, label="solved again" if k == 0 else None)
     axes[0].set_xlabel("")
     axes[0].legend(fontsize=8, loc="upper right", labelcolor="white", facecolor="#303030")
     for k in range(MODES):
         axes[1].plot(times, 100 * (first[:, k] / now[:, k] - 1), linewidth=0.9, label=f"mode {k + 1}")
     axes[1].plot(times[at], numpy.zeros(len(at)), "k|", markersize=6)
-    axes[1].set(xlabel="time, s", ylabel="first derivatives alone\nagainst solved anew, %")
+    axes[1].set(xlabel="time, s", ylabel="first derivatives alone\nagainst a new solution, %")
     axes[1].set_xlim(0, SECONDS)
     axes[1].legend(fontsize=8, ncol=4, frameon=False, loc="lower right")
-    scene.picture("struck_beam", figure, "its spectrogram with the frequencies at each new solution, and how far the "
-                  "derivatives of the first shape alone are from them")
-    scene.table(["solved anew", "median, ms", "longest, ms", "largest error of the first derivatives alone, %"],
+    scene.picture("struck_beam", figure, "its spectrogram with the frequencies at each new solution, and the error of the "
+                  "frequencies by the derivatives of the first shape alone")
+    scene.table(["solutions", "median, ms", "longest, ms", "largest error of the first derivatives alone, %"],
                 [[len(marks), f"{1000 * numpy.median(marks[:, 1]):.0f}", f"{1000 * marks[:, 1].max():.0f}",
                   f"{100 * abs(first / now - 1).max():.1f}"]], "a struck beam along its path")

@@ -1,10 +1,10 @@
-"""Touch it, hear it, feel it: a hand taps a disk that answers by force and by finite elements
+"""Touch it, hear it, feel it: a hand taps a disk, which pushes back and sounds by its finite-element modes
 
-Yano and Iwata's AudioHaptics whole, in `patches/audiohaptics/audiohaptics.pd`: seven modules on a bus.
+All of Yano and Iwata's AudioHaptics, in `patches/audiohaptics/audiohaptics.pd`: seven modules on a bus.
 A simulated hand taps an aluminium disk of 100 by 12 mm at nine places and speeds. The contact is
 found in the servo at 1 kHz, where a spring of 900 N/m pushes back; the same tick strikes the disk's
 modes at its sample. The loudspeaker on the grip, as in the paper, is a listener that moves with the
-hand; a second listener sits in a chair. Then two disks that look alike, solid and hollow.
+hand; a second listener sits in a chair. Then two disks of the same outer shape, one solid and one hollow.
 """
 import pathlib
 import sys
@@ -121,12 +121,12 @@ def make(scene):
     scene.sound("taps_chair", 0.9 * take["sound"] / abs(take["sound"]).max(), RATE,
                 "nine taps, heard from a chair half a metre away")
     scene.sound("taps_hand", 0.9 * takes["hand"]["sound"] / abs(takes["hand"]["sound"]).max(), RATE,
-                "the same by the loudspeaker on the hand")
+                "the same taps, heard from the loudspeaker on the hand")
     scene.picture("audiohaptics", draw_take(take), "hand, penetration, force and sound")
     scene.picture("audiohaptics_places", draw_positions(take),
-                  "where the taps fell (rings grow with the root of the speed), and which modes they woke")
-    scene.table(["s", "radius, mm", "speed, m/s", "force, N", "first partials, Hz (dB)",
-                 "farthest from a mode of the table, Hz"], tap_rows(take), "the taps")
+                  "positions of the taps (the diameter of a ring grows with the square root of the speed), and the level of each mode")
+    scene.table(["s", "radius, mm", "speed, m/s", "force, N", "strongest partials, Hz (dB)",
+                 "largest distance from a mode of the table, Hz"], tap_rows(take), "the taps")
     scene.heading("From the contact to the hand and the ear")
     chain = numpy.array(_audiohaptics.latencies("taps.txt", seconds=seconds))
     scene.table(["", "after the servo's contact, ms", "the paper"],
@@ -154,5 +154,5 @@ def make(scene):
         modes = _audiohaptics.table_modes(f"disk_{name}")
         rows.append([name, len(sounds), ", ".join(f"{f:.0f}" for f, _ in strongest),
                      f"{max(min(abs(f - modes)) for f, _ in strongest):.1f}", f"{modes[0]:.0f}"])
-    scene.table(["disk", "taps", "strongest partials, Hz", "farthest from a mode of the table, Hz",
-                 "first mode of the table, Hz"], rows, "each by its own finite elements")
+    scene.table(["disk", "taps", "strongest partials, Hz", "largest distance from a mode of the table, Hz",
+                 "first mode of the table, Hz"], rows, "each disk by its own modal table")

@@ -61,5 +61,5 @@ def make(scene):
             low = [20 * numpy.log10((spectrum[int(hz) - 15:int(hz) + 15] ** 2).sum() ** .5) for hz in board["freq"][:2]]
             rows.append([name, f"{abs(sound).max():.2g}", *(f"{x:.0f}" for x in low)])
             scene.progress(name)
-    scene.picture("spectrograms", figure, "two blows on the bar, and what the board adds")
+    scene.picture("spectrograms", figure, "two strikes on the bar, alone and on the board")
     scene.table(["bar", "loudest, Pa", *(f"dB about {hz:.0f} Hz" for hz in board["freq"][:2])], rows)

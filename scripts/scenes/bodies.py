@@ -1,9 +1,10 @@
 """A tour of struck bodies: bowl, glass, bell, wood, tube, ring, disks, and a machine part from CAD
 
 Eleven bodies from modal_fem's shapes, two profiles in data/bodies and one surface model in Debian's
-gmsh-doc, each played by [modal_impact~] at three places with the striker that suits it and heard by
-two ears 35 cm in front, through the air around the whole body (boundary elements). The first time
-takes a minute or two for the modes; the tables are kept in the build folder. Sheets show each body bent by its first modes, red where the skin moves outwards.
+gmsh-doc, each struck in [modal_impact~] at three points with a suitable striker and heard at
+two ears 35 cm in front, through the air around the whole body (boundary elements). The first run computes the
+modes, which takes a minute or two; the tables are kept in the build folder. Pictures show each body deformed by
+its first modes, red where the surface moves outwards.
 """
 import pathlib
 import sys
@@ -45,10 +46,10 @@ def make(scene):
     scene.sound("piece", _room.full_scale(piece), RATE, "nine bodies together, in a small room")
     scene.heading("The tour")
     scene.sound("tour", numpy.concatenate([_room.full_scale(s, 0.7) for s in sounds.values()]), RATE,
-                "all bodies in the table's order, three places each, made equally loud")
-    scene.table(["body", "kg", "first mode, Hz", "its T60, s", "in air, s", "struck with", "loudest peaks, Hz",
+                "all bodies in the order of the table, struck at three points each, of equal peak level")
+    scene.table(["body", "kg", "first mode, Hz", "T60 of the material, s", "T60 in air, s", "striker", "loudest peaks, Hz",
                  "loudest, Pa"], [_tour.in_numbers(n, s) for n, s in sounds.items()],
-                "T60 of the material alone, and with the sound that leaves; hands would shorten it more")
+                "T60 of the first mode by the losses of the material alone, and with those by radiation; hands would shorten it further")
     figure, axes = plt.subplots(len(sounds), 1, figsize=(12, 2.1 * len(sounds)), sharex=True,
                                 constrained_layout=True)
     for a, (name, sound) in zip(axes, sounds.items()):
@@ -56,7 +57,7 @@ def make(scene):
         a.set_title(name, loc="left")
         a.set_xlabel("")
     axes[-1].set_xlabel("time, s")
-    scene.picture("tour_spectrograms", figure, "each body struck at three places")
+    scene.picture("tour_spectrograms", figure, "each body struck at three points")
     scene.heading("The bodies")
     for name, sound in sounds.items():
         file = name.replace(" ", "_").replace("(", "").replace(")", "")

@@ -4,12 +4,13 @@
 stress and for spring and damper. Ten times a second the stress that [stress_haptic] feels is compared with a
 new solution by part_stress.
 
-Then a hand lowers the largest stress of the arm by feel alone, 20 times, at equal volume. It takes points by chance,
-pulls each by 10 mm to both sides of x and y (which moves it by 2 mm), and moves one by 3 mm to where the spring of
-[stress_haptic] gave way: one point a move with the paper's mean stress, and the clearest of three with `power 30`,
-which follows the largest stresses. Forces that differ by less than 7 % are taken as equal (Pang, Tan & Durlach 1991).
-Beside it: random directions, and steepest descent of the largest stress with all points at once, for which stress
-and derivatives are solved anew at every move. No coordinate goes further than 8 mm.
+Then a hand lowers the largest stress of the arm by feel alone, 20 times, at equal volume. It chooses points at random,
+pulls each by 10 mm in both directions of x and y (which moves it by 2 mm), and moves one by 3 mm in the direction of
+the weaker spring of [stress_haptic]: one point per move with the paper's mean stress, and the point with the clearest
+difference of three with `power 30`, which follows the largest stresses. Forces that differ by less than 7 % count as
+equal (Pang, Tan & Durlach 1991). For comparison: random directions, and steepest descent of the largest stress with
+all points at once, for which stress and derivatives are solved again at every move. No coordinate moves by more than
+8 mm.
 
 At the end the beam is struck every half second while it is reshaped: its frequencies follow the derivatives,
 and
@@ -98,12 +99,12 @@ def draw_shapes(name, part, rows, shapes):
         if far[pick] > 0.05:
             one.annotate("", there, first, arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0})
         one.plot(*there, "o", markerfacecolor="white", markeredgecolor="black", markersize=6)
-        moved = f"point moved by ({rows[pick, 1]:+.1f}, {rows[pick, 2]:+.1f}) mm" if far[pick] > 0.05 else "as it was"
+        moved = f"point moved by ({rows[pick, 1]:+.1f}, {rows[pick, 2]:+.1f}) mm" if far[pick] > 0.05 else "first shape"
         one.set_title(f"{rows[pick, 0]:.1f} s, {moved}: largest stress {rows[pick, 6] / 1e6:.1f} MPa", fontsize=10)
         one.set_ylabel("y, mm")
         one.margins(0.03, 0.08)
     axes[-1].set_xlabel("x, mm")
-    figure.colorbar(colours, ax=axes, label="von Mises stress of the skin's faces, MPa", shrink=0.6)
+    figure.colorbar(colours, ax=axes, label="von Mises stress of the surface, MPa", shrink=0.6)
     return figure
 
 
@@ -114,7 +115,7 @@ def draw_run(part, logs, rows):
     for k, axis in enumerate("xy"):
         if k in part.axis:
             path.plot(rows[:, 0], rows[:, 1 + k], color=AXIS_COLOURS[axis], label=axis)
-    path.set_ylabel("control point\nmoved by, mm")
+    path.set_ylabel("displacement of the\ncontrol point, mm")
     for feel, log in logs.items():
         begin = next(i for i, (ms, _) in enumerate(log["gamma"]) if ms >= BEGIN_MS + 20)
         seconds = numpy.array([t for t, _ in log["gamma"][begin:]]) / 1000
@@ -137,7 +138,7 @@ def draw_run(part, logs, rows):
         errors.semilogy(rows[:, 0], numpy.where(error > 1e-3, error, numpy.nan), marker + "-", markersize=3, linewidth=1,
                         label=what)
     errors.set_ylabel("error of the\nfelt stress, %")
-    errors.text(1.02, 0.45, "gaps: below 0.001 %,\njust solved anew,\nor the first shape", transform=errors.transAxes, fontsize=8)
+    errors.text(1.02, 0.45, "gaps: below 0.001 %,\njust solved again,\nor the first shape", transform=errors.transAxes, fontsize=8)
     errors.set_xlabel("time, s")
     for one in axes:
         one.grid(alpha=0.25)
@@ -174,9 +175,9 @@ def search(scene, part, descent):
                 f"design: the arm {name}, {i} of {ROUNDS} moves"))
         runs.append((name, colour, peaks, last, f"{moves.mean():.1f}"))
         felt.append(f"{name}: {100 * numpy.median(differences):.0f} % (median), "
-                    f"{100 * numpy.mean(differences >= NOTICED):.0f} of 100 are noticed")
+                    f"{100 * numpy.mean(differences >= NOTICED):.0f} of 100 are noticeable")
     runs.append(("random direction", "#c0392b", *at_random(shapes, SEEDS), str(ROUNDS)))
-    scene.progress("design: the arm by descent, solved anew with derivatives at each move")
+    scene.progress("design: the arm by descent, solved again with derivatives at each move")
     peaks, last = descent.result()
     runs.append(("descent", "#4d8f4d", peaks, last, str(numpy.count_nonzero(numpy.diff(peaks[0])))))
     searches, table = [], []
@@ -188,13 +189,13 @@ def search(scene, part, descent):
             table.append([name, len(last), moves, f"{solved.mean() / 1e6:.1f} ({solved.min() / 1e6:.1f}..{solved.max() / 1e6:.1f})",
                           f"{100 * (solved.mean() / part.stress.max() - 1):+.1f} %",
                           f"{(solved < part.stress.max()).sum()} of {len(solved)}", f"{numpy.abs(volumes).max():.0e}"])
-    scene.picture("design_search", draw_search(part, searches), "largest stress at equal volume. By feel and at random: by the "
-                  "series; thin, each of 20 hands, thick, their mean. Descent: solved anew at every move. Dashes: the last "
-                  "shapes, solved anew; dotted: the first shape")
-    scene.table(["way", "runs", "moves made", "largest stress, MPa: mean (range)", "against the first shape",
-                 "lower than the first", "volume changed by at most"], table,
-                f"the last shapes solved anew; the first has {part.stress.max() / 1e6:.1f} MPa")
-    scene.text("How much the forces of two pulls differ: " + "; ".join(felt) + ".")
+    scene.picture("design_search", draw_search(part, searches), "largest stress at equal volume. By feel and at random: computed by the "
+                  "series; thin lines: each of 20 hands, thick: their mean. Descent: solved again at every move. Dashes: the "
+                  "last shapes, solved again; dotted: the first shape")
+    scene.table(["method", "runs", "moves", "largest stress, MPa: mean (range)", "change from the first shape",
+                 "lower than the first", "largest change of volume"], table,
+                f"the last shapes, solved again; the first shape has {part.stress.max() / 1e6:.1f} MPa")
+    scene.text("Difference between the forces of two pulls: " + "; ".join(felt) + ".")
 
 
 def descended(part):
@@ -213,16 +214,16 @@ def make(scene):
         descent = aside.submit(descended, parts["arm"])  # one processor, half a minute
         renders = {name: {feel: pool.submit(render, name, words) for feel, words in FEELS.items()} for name in parts}
         for name, part in parts.items():
-            scene.progress(f"design: the {name} along a path, felt in {len(FEELS)} ways")
+            scene.progress(f"design: the {name} along a path, with {len(FEELS)} settings of the force")
             logs = {feel: future.result() for feel, future in renders[name].items()}
-            scene.progress(f"design: the {name} solved anew every tenth of a second")
+            scene.progress(f"design: the {name} solved again every tenth of a second")
             with part.solver() as solver:
                 rows, shapes = compare(name, part, next(iter(logs.values())), solver)
             scene.picture(f"design_{name}_shapes", draw_shapes(name, part, rows, shapes),
-                          f"{name}: von Mises stress along the way, solved anew; white: the control point that is dragged; "
+                          f"{name}: von Mises stress along the path, solved again; white: the dragged control point; "
                           "black: the outline of the first shape")
             scene.picture(f"design_{name}", draw_run(part, logs, rows),
-                          f"{name}: the control point that is dragged, gamma, force, and the error of the felt stress "
+                          f"{name}: displacement of the dragged control point, gamma, force, and the error of the felt stress "
                           "against a new solution every tenth of a second")
             for what, felt, solved in (("mean", 3, 4), ("largest", 5, 6)):
                 error = 100 * numpy.abs(rows[:, felt] / rows[:, solved] - 1)
@@ -233,8 +234,8 @@ def make(scene):
             update_rows.append([name, len(part.stress), len(part.control), f"{numpy.median(times):.3f}",
                                 f"{numpy.percentile(times, 99):.3f}", f"{1000 * numpy.median(rows[:, 8]):.0f}"])
         scene.table(["part", "stress", "median, %", "largest, %"], error_rows, "felt stress against a new solution")
-        scene.table(["part", "elements", "parameters", "update, median ms", "99 of 100, ms", "new solution, median ms"],
+        scene.table(["part", "elements", "parameters", "update, median ms", "99th percentile, ms", "new solution, median ms"],
                     update_rows, "times on this machine: one evaluation of the series, and one solution by conjugate "
-                    "gradients on the old factor")
+                    "gradients preconditioned by the old factor")
         search(scene, parts["arm"], descent)
     _struck_beam.make(scene)

@@ -72,12 +72,12 @@ def draw_support(curve):
     colours = ("#2b5c8a", "#6d8f3a", "#8a3f72")
     for mode, measured, colour in zip(range(3), _disk.MEASURED, colours):
         axes.plot(stiffness, [100 * (f[mode] / measured - 1) for _, f in curve], "o-", color=colour,
-                  label=f"the mode heard at {measured / 1000:.2f} kHz")
+                  label=f"mode measured at {measured / 1000:.2f} kHz")
     axes.axhspan(-2, 2, color="#cccccc", alpha=0.5, label="within 2 %")
     axes.axvline(_disk.STIFFNESS, color="#c4552d", linestyle="--", label="chosen")
     axes.set_xscale("log")
     axes.set_xlabel("stiffness of the post, N/m")
-    axes.set_ylabel("mode against measured peak, %")
+    axes.set_ylabel("mode relative to measured peak, %")
     axes.legend()
     return figure
 
@@ -89,19 +89,19 @@ def make(scene):
     scene.heading("The three disks")
     for index, (name, (sound, _)) in enumerate(heard.items()):
         scene.sound(f"disk_{index + 1}", fade_out(scale * sound, RATE, 0.5), RATE, name)
-    bounced = _disk.bounce(tables["held, fitted"])
+    bounced = _disk.bounce(tables["fixed, fitted support"])
     scene.sound("disk_bouncing", fade_out(0.9 * bounced / abs(bounced).max(), RATE, 0.5), RATE,
-                "held, fitted: the ball bounces until it lies still")
+                "fixed, fitted support: the ball bounces until it is at rest")
     scene.table(["", "near 3956 Hz", "error", "near 5986 Hz", "error", "near 15170 Hz", "error",
-                 "first against the paper's simulation", "second"],
+                 "first relative to the paper's simulation", "second"],
                 compare({n: s for n, (s, _) in heard.items()}),
                 "peaks of the rendered sound, each the loudest within 10 % of a measured one, Hz; "
-                "errors against the measured peak, the last two against the simulated one")
-    scene.table(["", "impulse, mN s", "peak force, N", "ball leaves at, of its speed", "loudest, Pa"],
+                "errors relative to the measured peak, the last two relative to the simulated one")
+    scene.table(["", "impulse, mN s", "peak force, N", "rebound speed / impact speed", "loudest, Pa"],
                 [[n, f"{1e3 * c.sum() / RATE:.2f}", f"{c.max():.0f}",
                   f"{c.sum() / RATE / _disk.MOMENTUM - 1:.3f}", f"{abs(s).max():.1f}"]
                  for n, (s, c) in heard.items()],
-                "the blow; the force is the mean over each sample of 21 us, the contact lasts 52 us")
+                "the impact; the force is the mean over each sample of 21 us, the contact lasts 52 us")
     scene.picture("disk_spectra", draw_spectra({n: s for n, (s, _) in heard.items()}),
                   "the first 250 ms; dashed lines: the paper's measured peaks")
     figure, axes = plt.subplots(1, len(heard), figsize=(14, 4), sharey=True, constrained_layout=True)
@@ -112,6 +112,6 @@ def make(scene):
     scene.heading("Which support?")
     scene.text(_disk.ACCOUNT)
     scene.picture("disk_support", draw_support(_disk.support_curve()),
-                  "the three modes over the post's stiffness, patch of 9 mm radius")
-    scene.table(["mode", "nodal diameters", "Hz", "T60 of the metal, s"], _disk.modes_of(tables["held, fitted"]),
-                "what the fitted disk can sound below 20 kHz")
+                  "frequency of the three modes against the stiffness of the post, patch of 9 mm radius")
+    scene.table(["mode", "nodal diameters", "Hz", "T60 of the metal, s"], _disk.modes_of(tables["fixed, fitted support"]),
+                "modes of the disk on the fitted support below 20 kHz")

@@ -1,4 +1,4 @@
-"""Solid or hollow: two disks that look alike, told apart by ear
+"""Solid or hollow: two disks of the same outer shape, distinguished by their sound
 
 Yano and Iwata's second experiment: two aluminium disks, 100 mm across and 25 mm thick, one with a
 cavity of 80 by 13 mm inside. Six listeners classified them correctly in 97 % of the trials. Here a classifier
@@ -55,7 +55,7 @@ def draw(found):
                      label=name)
     axes[1].set_xlim(0, 22)
     axes[1].set_xlabel("frequency, kHz")
-    axes[1].set_ylabel("mean power of 120 blows, dB")
+    axes[1].set_ylabel("mean power of 120 strikes, dB")
     axes[1].legend()
     return figure
 
@@ -65,14 +65,14 @@ def make(scene):
     scene.progress("modes of both disks")
     found = _hollow.experiment()
     for name in _hollow.DISKS:
-        scene.sound(name, one_after_another(found["heard"]["tried", name][:6]), RATE, f"the {name} disk, six blows, each at another place and strength")
-    scene.table(["asked", "right"], [[k, f"{100 * v:.1f} %"] for k, v in found["right"].items()]
-                + [["taught with shuffled names", f"{100 * found['shuffled']:.0f} %"],
+        scene.sound(name, one_after_another(found["heard"]["tried", name][:6]), RATE, f"the {name} disk, six strikes of different position and strength")
+    scene.table(["test", "correct"], [[k, f"{100 * v:.1f} %"] for k, v in found["right"].items()]
+                + [["trained with shuffled labels", f"{100 * found['shuffled']:.0f} %"],
                    ["the paper's six listeners", "97 %"]],
-                "240 blows learnt, 240 asked; Fisher's linear discriminant over four features")
-    scene.table(["by one feature alone", "near to far", "far to near"],
+                "240 strikes for training, 240 for the test; Fisher's linear discriminant of four features")
+    scene.table(["feature", "trained near, tested far", "trained far, tested near"],
                 [[k, f"{100 * a:.1f} %", f"{100 * b:.1f} %"] for k, (a, b) in found["single"].items()],
-                "what it uses")
-    scene.picture("features", draw(found), "what the judge hears, and the mean spectra")
+                "share of correct answers with one feature alone")
+    scene.picture("features", draw(found), "features of the classifier, and the mean spectra")
     rows = [[k + 1, *(f"{tables[n]['freq'][k]:.1f}" for n in _hollow.DISKS)] for k in range(12)]
     scene.table(["mode", "solid, Hz", "hollow, Hz"], rows, "the two disks' modes")

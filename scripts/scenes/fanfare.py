@@ -2,10 +2,10 @@
 
 Both use [greed~] alone. The brass are blown-open valves: the lips follow each note and the bore is
 chosen so that it is in tune (`tune 1`), as a player does with lips and valves or slide. Each player
-practises first: how hard to blow, which notes need more breath, how long each takes to speak.
+practises first, to find the pressure of each note and the time that it takes to speak.
 
-The birds are swinging valves on short windpipes of three sizes. Nothing but breath and muscle
-tension moves: each syllable is a pulse of pressure while the valve's frequency sweeps. A thrush, a
+The birds are swinging valves on short windpipes of three sizes. Only breath and muscle
+tension vary: each syllable is a pulse of pressure while the valve's frequency sweeps. A thrush, a
 warbler's trill, and a dove whose loudest coo breaks into period doubling, as real ones can.
 """
 import pathlib
@@ -75,9 +75,9 @@ def make(scene):
     figure, axes = plt.subplots(figsize=(12, 4))
     spectrogram(axes, together.sum(axis=1), RATE)
     scene.picture("fanfare_spectrogram", figure, "spectrogram of the fanfare")
-    scene.table(["voice", "notes", "furthest off: notes of 0.7 s, cents", "of 0.3 s", "speak after, ms",
-                 "lost", "level off what is asked, dB", "peak of [greed~]"],
-                in_numbers(voices), "the fanfare in numbers, from the dry voices")
+    scene.table(["voice", "notes", "largest deviation: notes of 0.7 s or more, cents", "of 0.3 s or more", "speak after, ms",
+                 "lost", "largest level error, dB", "peak of [greed~]"],
+                in_numbers(voices), "measurements of the fanfare, from the dry voices")
     scene.heading("Dawn")
     songs = {bird: _birds.sing(bird, seed) for seed, bird in enumerate(_birds.BIRDS, 1)}
     scene.progress("birds: three voices")

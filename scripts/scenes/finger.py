@@ -1,8 +1,8 @@
 """A finger on the reed: a hand touches the reed of a blown clarinet, feels it vibrate and stops its note
 
 patches/audiohaptics/finger_on_reed.pd. A finger of 300 N/m comes down on the reed of a `greed~` under 2200 Pa:
-it stiffens the valve and closes it, so the note goes soft, thins and stops; lifted, it comes back. What the
-finger feels is the same spring's force at audio rate, ten times as large, written by the servo.
+it stiffens the valve and closes it, so the note becomes softer and thinner and stops; when the finger is lifted,
+the note returns. The finger feels the force of the same spring at audio rate, ten times as large, written by the servo.
 """
 import csv
 import math
@@ -77,7 +77,7 @@ def make(scene):
     axes[3].set_ylabel("pitch, Hz")
     spectrogram(axes[4], sound, RATE, top_hz=5000)
     axes[4].set_xlim(0, SECONDS)
-    scene.picture("finger", figure, "the finger presses, the reed closes, the note goes and comes back")
+    scene.picture("finger", figure, "the finger presses, the reed closes, the note stops and returns")
     rows = []
     for name, t in MOMENTS:
         part = numpy.asarray(sound[int(t * RATE):int((t + 0.3) * RATE)], float)
@@ -85,5 +85,5 @@ def make(scene):
         note = pitch(part)
         rows.append([name, f"{20 * math.log10(part.std() + 1e-9):.1f}" if part.std() > 1e-6 else "silent",
                      "-" if math.isnan(note) else f"{note:.1f}", f"{hand.mean():.2f}", f"{hand.std():.3f}"])
-    scene.table(["", "level, dB", "pitch, Hz", "mean force on the hand, N", "its vibration, N rms"], rows,
+    scene.table(["", "level, dB", "pitch, Hz", "mean force on the hand, N", "vibration of that force, N rms"], rows,
                 "five moments")

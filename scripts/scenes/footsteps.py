@@ -1,9 +1,9 @@
 """Footsteps on fifteen grounds, heard and felt, and a walk across five of them
 
 [footstep~] walks: first the four surfaces of Nordahl and others (EuroHaptics 2010), wood, creaking
-wood, snow and underbrush, at three speeds, with the drives of the two actuators in a sandal (heel and
+wood, snow and underbrush, at three speeds, with the signals for the two actuators in a sandal (heel and
 ball, 50 to 500 Hz); then all fifteen grounds, beside a recording where Debian's minetest-data or
-ardentryst is installed; at last a walk across five grounds, each fading into the next.
+ardentryst is installed; finally a walk across five grounds, each fading into the next.
 """
 import pathlib
 import sys
@@ -67,7 +67,7 @@ def four_surfaces(scene):
             scene.sound(f"{surface}_{word}", sound, RATE, f"{surface}, {word}: {speed} m/s")
             felt = numpy.stack([result["heel_drive"], result["ball_drive"]], axis=1)
             scene.sound(f"{surface}_{word}_felt", felt, RATE,
-                        f"{surface}, {word}: drives of the left foot, heel left, ball right; half of their gain")
+                        f"{surface}, {word}: actuator signals of the left foot, heel on the left channel, ball on the right; at half gain")
             spectrogram(column[0], sound.sum(axis=1), RATE)
             column[0].set_title(f"{surface}, {speed} m/s", loc="left")
             time = numpy.arange(len(felt)) / RATE
@@ -78,7 +78,7 @@ def four_surfaces(scene):
             column[2].plot(time, felt[:, 1], color="#6d8f3a", linewidth=0.6)
             column[2].set_ylabel("heel, ball")
             column[2].set_xlabel("s")
-        scene.picture(f"four_{surface}", figure, f"{surface}: sound, forces, drives")
+        scene.picture(f"four_{surface}", figure, f"{surface}: sound, forces, actuator signals")
         scene.progress(f"footsteps: {surface}")
 
 
@@ -108,9 +108,9 @@ def fifteen_surfaces(scene):
         peaks = [abs(result[n]).max() for n in ("heel_drive", "ball_drive")]
         rows.append([surface, f"{abs(sound).max():.2f}", *(f"{d:.4f}" for d in drives),
                      *(f"{3 * p:.2f}" for p in peaks)])
-    scene.picture("fifteen", figure, "one step of each; beside it a recording where there is one")
-    scene.table(["ground", "peak of the sound", "heel drive, rms", "ball drive, rms",
-                 "heel, most g", "ball, most g"], rows, "levels, walking at 1.4 m/s")
+    scene.picture("fifteen", figure, "one step on each ground, beside a recording where there is one")
+    scene.table(["ground", "peak of the sound", "heel actuator, rms", "ball actuator, rms",
+                 "heel, largest, g", "ball, largest, g"], rows, "levels, walking at 1.4 m/s")
 
 
 def across(scene):

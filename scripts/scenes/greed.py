@@ -1,4 +1,4 @@
-"""each preset of greed~ blown from silence to full and back, with spectrograms
+"""Every preset of greed~, blown from silence to full pressure and back, with spectrograms
 
 One [greed~] a preset in headless Pd, at its own bore length and reed frequency. The mouth pressure
 rises for three seconds, stays for one and falls for two. Blown-closed reeds choke when the pressure
@@ -91,4 +91,4 @@ def make(scene):
         draw(scene, preset, sound, pressure)
     scene.heading("In numbers")
     scene.table(["preset", "speaks at, Pa", "pitch, Hz", "note", "peak of the sound",
-                 "peak bore pressure, kPa"], rows, "pitch at the loudest half second of the rise")
+                 "peak bore pressure, kPa"], rows, "pitch in the loudest half second of the rise")

@@ -1,4 +1,4 @@
-"""where each preset plays, over mouth pressure and reed frequency
+"""Where each preset plays, over mouth pressure and reed frequency
 
 Left: the playability f_p of an instrument blown at every point of the plane, from rest. Right: the
 growth rate of a note there by linear theory; white is the boundary between decay and growth.
@@ -46,7 +46,7 @@ def draw(preset, table):
         axes.set_yscale("log")
         axes.set_xlabel("mouth pressure, kPa")
     left.set_ylabel("reed or lip frequency, Hz")
-    figure.suptitle(f"{preset}: where it plays, and where theory says a note starts")
+    figure.suptitle(f"{preset}: where it plays, and where a note starts by theory")
     return figure
 
 
@@ -62,5 +62,5 @@ def make(scene):
         starts = (table["growth_per_s"] > 0) & (table["free"] > 0)
         agreement.append([preset, f"{100 * plays.mean():.1f} %", f"{100 * starts.mean():.1f} %",
                           f"{100 * (plays == starts).mean():.1f} %"])
-    scene.table(["preset", f"plays (f_p > {PLAYS})", "a note starts (theory)", "same answer"],
+    scene.table(["preset", f"plays (f_p > {PLAYS})", "a note starts (theory)", "both agree"],
                 agreement, "share of the plane")

@@ -1,7 +1,7 @@
 """Eleven kinds of particles shaken, poured and stepped on, and a piece for them
 
 [particle~] shakes each of its presets in one rhythm, pours it (a steady power) and steps on it (a push of
-power for heel and ball). Then a piece: maraca, cabasa, tambourine and coins play one bar each way, over
+power for heel and ball). Then a piece: maraca, cabasa, tambourine and coins enter one bar after the other, over
 rain and bubbles.
 """
 import matplotlib.pyplot as plt

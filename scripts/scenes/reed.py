@@ -3,13 +3,13 @@
 The solo clarinet's first sixteen bars of the Adagio of K. 622, an octave below the score so that all
 of it lies in the model's first register, the chalumeau. A simulated hand holds the device: its
 height is the breath, its distance the lip, as patches/reed/reed_haptic.pd maps them. The notes come
-as MIDI notes and `tune 1` chooses the bore for each. What the hand would feel while it plays is
-measured and drawn: the force along the slope of the playability.
+as MIDI notes and `tune 1` chooses the bore for each. The force that the hand would
+feel while it plays, along the slope of the playability, is measured and drawn.
 
-The gesture is made from the score as a player would: the tongue's attacks, swells, arches over the
-phrases, vibrato that sets in late, breaths in the rests, and a little human unsteadiness from a
-seed. Before, the player practises: it blows each note on a single [greed~] at several pressures and
-keeps the one that is best in tune, and how much breath makes all notes equally loud.
+The gesture is derived from the score: tongued attacks, swells, arches over the
+phrases, delayed vibrato, breaths in the rests, and a little human unsteadiness from a
+seed. The player practises first: each note is blown on a single [greed~] at several pressures; the
+pressure that is best in tune, and the one that makes all notes equally loud, are kept.
 """
 import csv
 import io
@@ -82,7 +82,7 @@ def draw_gesture(gesture, result):
     axes[1].axhspan(-10, 10, color="#e8eef0")
     axes[1].plot(times, off, color="#b2432f", linewidth=0.8)
     axes[1].set_ylim(-25, 25)
-    axes[1].set_ylabel("cents off\nthe score")
+    axes[1].set_ylabel("cents from\nthe score")
     low, high, slow, fast = gestures.fitting_sigma(gesture, SIGMA)
     y, z = at(result, "reed-y", t), at(result, "reed-z", t)
     for note in gesture.notes:
@@ -91,7 +91,7 @@ def draw_gesture(gesture, result):
                              linewidth=0)
     axes[2].plot(t, (low + y * (high - low)) / 1000, color="#2f4f5f", linewidth=1)
     axes[2].set_ylabel("mouth\npressure, kPa")
-    axes[2].text(0.005, 0.95, "green: where the note starts and plays", transform=axes[2].transAxes,
+    axes[2].text(0.005, 0.95, "green: pressures at which the note starts and plays", transform=axes[2].transAxes,
                  va="top", color="#4a7a56")
     axes[3].plot(t, slow * (fast / slow) ** z, color="#2f4f5f", linewidth=1)
     axes[3].set_ylabel("reed\nfrequency, Hz")
@@ -151,12 +151,12 @@ def summary(gesture, sound, measured):
     lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30
                or j["level_db"] < numpy.median(levels) - 20 for j in measured)
     return [["sustained notes (0.3 s or more)", f"{len(sustained)} of {len(measured)}"],
-            ["furthest from the score", f"{abs(off).max():.1f} cents"],
+            ["largest deviation from the score", f"{abs(off).max():.1f} cents"],
             ["rms of all sustained notes", f"{numpy.sqrt((off ** 2).mean()):.1f} cents"],
-            ["rms of all notes' beginnings (0.03 to 0.11 s), furthest",
+            ["beginnings of all notes (0.03 to 0.11 s): rms, largest",
              f"{numpy.sqrt((firsts ** 2).mean()):.1f}, {abs(firsts).max():.1f} cents"],
             ["notes lost, or in another register", f"{lost}"],
-            ["level against what the score asks, largest deviation", f"{abs(uneven).max():.1f} dB"],
+            ["largest deviation of the level from the score's", f"{abs(uneven).max():.1f} dB"],
             ["softest to loudest sustained note", f"{max(levels) - min(levels):.1f} dB"],
             ["tongued notes speak after", f"{speaks.min():.0f} to {speaks.max():.0f} ms"],
             ["clicks", f"{len(listening.clicks(sound, RATE))}"],
@@ -179,17 +179,17 @@ def make(scene):
     sound = result["sound"]
     scene.progress(f"{gesture.seconds:.0f} s of the patch in {result.wall_seconds:.1f} s")
     measured = listening.measure_notes(sound, RATE, gesture.notes, score.frequency)
-    scene.sound("adagio", _room.full_scale(sound), RATE, "dry, as the patch gives it but for the level; measured below")
+    scene.sound("adagio", _room.full_scale(sound), RATE, "dry, as the patch renders it, scaled to full level; measured below")
     scene.sound("adagio_room", _room.full_scale(_room.reverberate(sound, RATE)), RATE, "in a small room")
     figure, axes = plt.subplots(figsize=(12, 4))
     spectrogram(axes, sound, RATE)
     scene.picture("spectrogram", figure, "spectrogram of the dry sound")
-    scene.progress("where each note plays")
+    scene.progress("computing where each note plays")
     scene.picture("gesture", draw_gesture(gesture, result),
-                  "what was asked, played, felt: all as the patch had it")
-    scene.picture("plane", draw_plane(gesture, result), "where the hand was, over where a note plays")
-    scene.table(["", ""], summary(gesture, sound, measured), "the performance in numbers")
-    scene.table(["s", "note", "length", "begins", "Hz", "cents", "dB", "asked dB", "speaks ms"],
+                  "score, sound and force of the hand, all recorded in the patch")
+    scene.picture("plane", draw_plane(gesture, result), "path of the hand over the map of playability")
+    scene.table(["", ""], summary(gesture, sound, measured), "measurements of the performance")
+    scene.table(["s", "note", "length", "begins", "Hz", "cents", "dB", "score dB", "speaks ms"],
                 note_table(gesture, measured), "every note; speaks: from the onset to half its level")
     felt = _reed_patch.render(gesture, SPRING)
     during = numpy.concatenate([numpy.arange(*(int(x * RATE) for x in listening.steady(n)))
@@ -197,7 +197,7 @@ def make(scene):
     away = [100 * numpy.percentile(abs(felt[k] - result[k])[during], 99) for k in ("reed-y", "reed-z")]
     springy = listening.measure_notes(felt["sound"], RATE, gesture.notes, score.frequency)
     off = [abs(j["cents"]) for j in springy if j["sustained"]]
-    scene.heading("The same intention with a hand that gives way")
+    scene.heading("The same gesture with a compliant hand")
     scene.sound("adagio_spring", _room.full_scale(felt["sound"]), RATE,
                 f"hand {SPRING}: attacks are slower, and the force moves the hand")
     scene.text(f"Held by a spring of 2000 N/m and 20 N s/m, the handle of 100 g stayed, for 99 % "

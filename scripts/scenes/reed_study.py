@@ -1,4 +1,4 @@
-"""does the feel help? simulated hands explore a reed with and without force
+"""Does force feedback help? Simulated hands explore a reed with and without force
 
 Twenty simulated hands explore the plane of mouth pressure and reed frequency for a minute each,
 from a silent start, without knowledge of the notes: with no force, with the slope of five
@@ -67,7 +67,7 @@ def draw_bars(axes, rows, preset, hand):
             row += 1
     axes.set_yticks(range(row), labels)
     axes.invert_yaxis()
-    axes.set(xlim=(0, 100), xlabel="time out of the playable region, %", title=study.HANDS[hand])
+    axes.set(xlim=(0, 100), xlabel="time outside the playable region, %", title=study.HANDS[hand])
 
 
 def draw_instruments(axes, rows):
@@ -82,7 +82,7 @@ def draw_instruments(axes, rows):
             axes.plot([x, x], [low, high], color="black", linewidth=1.2)
     axes.axhline(0.5, color="black", linestyle=":", linewidth=1)
     axes.set_xticks(range(len(study.INSTRUMENTS)), study.INSTRUMENTS)
-    axes.set(ylim=(0, 1), ylabel="time out / no force")
+    axes.set(ylim=(0, 1), ylabel="time outside / no force")
     axes.legend(frameon=False, ncol=4, loc="upper center", bbox_to_anchor=(0.5, 1.18))
 
 
@@ -98,7 +98,7 @@ def draw_sensitivity(axes, rows, preset):
     axes.axhline(0.5, color="black", linestyle=":", linewidth=1)
     axes.set(xscale="log", ylim=(0, 1), title=preset,
              xlabel="largest force / stiffness of the hand, mm",
-             ylabel="time out, guidance / no force")
+             ylabel="time outside, guidance / no force")
     axes.set_xticks([2.5, 5, 10, 20, 40, 66], ["2.5", "5", "10", "20", "40", "66"])
     axes.minorticks_off()
     axes.legend(frameon=False)
@@ -122,9 +122,9 @@ def make(scene):
     figure, axes = plt.subplots(figsize=(9, 3.4))
     draw_instruments(axes, rows)
     figure.tight_layout()
-    scene.picture("reed_study_instruments", figure, "time out of the playable region over that of the "
-                  "same hands without force: the paper's force and guidance at equal ceilings, 20 hands "
-                  "that search, seeds not used before; dotted line half")
+    scene.picture("reed_study_instruments", figure, "time outside the playable region, divided by that of the "
+                  "same hands without force: the paper's force and guidance at equal force limits, 20 hands "
+                  "that search, seeds not used before; dotted line: one half")
     scene.table(*study.equal_forces(rows), "equal forces, six instruments, 20 hands that search")
 
     figure, axes = plt.subplots(2, 4, figsize=(13, 6.2),
@@ -138,10 +138,10 @@ def make(scene):
         line[3].set_yticks([])
     figure.tight_layout()
     scene.picture("reed_study", figure,
-                  f"left: the same hand's minute without and with force (seed {SHOWN_SEED}); blue "
+                  f"left: one minute of the same hand without and with force (seed {SHOWN_SEED}); blue "
                   "where a note plays, red where none does, grey the playability from rest. Right: "
-                  "time out of the playable region, 20 hands, 95 % intervals; pale bars 1 N, dotted "
-                  "line half of the time without force")
+                  "time outside the playable region, 20 hands, 95 % intervals; pale bars 1 N, dotted "
+                  "line: half of the time without force")
     for preset in study.DESIGNED_ON:
         for hand, name in study.HANDS.items():
             scene.table(*study.summary(rows, preset, hand), f"{preset}, {name}, 20 hands")
@@ -150,10 +150,10 @@ def make(scene):
     for one, preset in zip(axes, study.DESIGNED_ON):
         draw_sensitivity(one, rows, preset)
     figure.tight_layout()
-    scene.picture("reed_study_hands", figure, "how the result depends on hand and ceiling: 10 hands "
-                  "that search; dotted line half of the time without force")
+    scene.picture("reed_study_hands", figure, "dependence of the result on the hand and the force limit: 10 hands "
+                  "that search; dotted line: half of the time without force")
     scene.table(*study.stiffness(rows), "guidance, 10 hands that search")
     scene.table(*study.yields(rows), "guidance, 10 hands that search, 200 N/m")
-    scene.table(*study.gains(rows), "more gain for the slopes: time out / no force, mean force, hand's "
-                "speed; at most 2 N an axis, 10 hands that search")
+    scene.table(*study.gains(rows), "slopes with more gain: time outside / no force, mean force, speed of the "
+                "hand; at most 2 N per axis, 10 hands that search")
     scene.file("trials.csv", "every trial")

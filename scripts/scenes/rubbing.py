@@ -68,7 +68,7 @@ def bell():
 
 
 def glass():
-    """A wet finger that goes round the rim once in four seconds."""
+    """A wet finger that rubs around the rim once in four seconds."""
     path = _tour.table("drinking glass")
     xyz = 1000 * numpy.load(path)["xyz"].astype(float)
     top, radius = xyz[:, 2].max(), numpy.hypot(xyz[:, 0], xyz[:, 1]).max()
@@ -113,7 +113,7 @@ def string(scene):
         path = pathlib.Path(folder) / "string.npz"
         numpy.savez(path, **closed_form_string(hz=hz))
         length, side = 330.0, 0.5
-        for axis, (word, force) in zip(axes, (("too light", 0.02), ("in between", 0.2), ("too heavy", 6.0))):
+        for axis, (word, force) in zip(axes, (("too small", 0.02), ("in between", 0.2), ("too large", 6.0))):
             render = rub(path, curve(2, [(0, 0), (0.05, force), (1.7, force), (1.75, 0)]),
                          curve(2, [(0, 0), (0.05, speed)]),
                          ["radiation none", f"listener 1 {(beta - .5) * length} {side} 0",
@@ -132,9 +132,9 @@ def string(scene):
             sounds.append(fade_out(_room.full_scale(numpy.asarray(render["right"], float), 0.5), RATE, 0.2))
     axes[-1].set_xlabel("time, ms")
     scene.heading("A bowed string")
-    scene.sound("string", numpy.concatenate(sounds), RATE, "a bow too light, right, and too heavy")
-    scene.picture("string", figure, "velocity under the bow; dashed: the bow's, and that of Helmholtz' slip")
-    scene.table(["bow", "N", "slips in a period"], rows)
+    scene.sound("string", numpy.concatenate(sounds), RATE, "bow force too small, in between, and too large")
+    scene.picture("string", figure, "velocity under the bow; dashed: velocity of the bow, and of the slip in Helmholtz motion")
+    scene.table(["bow force", "N", "slips per period"], rows)
 
 
 def make(scene):
@@ -158,5 +158,5 @@ def make(scene):
                      f"{numpy.load(path)['freq'][0]:.1f}", ", ".join(f"{hz:.1f}" for hz, _ in found),
                      f"{abs(sound).max():.2g}"])
     scene.picture("spectrograms", figure, "the bodies while and after they are rubbed")
-    scene.table(["body", "most N", "most m/s", "first mode, Hz", "loudest peaks, Hz", "loudest, Pa"], rows)
+    scene.table(["body", "largest force, N", "largest speed, m/s", "first mode, Hz", "loudest peaks, Hz", "loudest, Pa"], rows)
     string(scene)

@@ -1,9 +1,9 @@
 """A hand plucks a string and taps a membrane of masses and springs: force, sound, spectrum
 
 `patches/haptic/mass_spring.pd` with the simulated device. The network is stepped inside the servo 48000
-times a second. The plectrum is a grabbing spring: the hand of 400 N/m takes the nearest mass of a string
-of 40, draws it 8 mm aside and lets go; then its sphere taps a membrane of 12 x 12 masses. The lines in
-the spectrum are theory: the frequencies of the discrete string.
+times a second. The plectrum is a grabbing spring: the hand of 400 N/m grabs the nearest mass of a string
+of 40, pulls it 8 mm aside and lets go; then its sphere taps a membrane of 12 x 12 masses. The lines in
+the spectrum are the frequencies of the discrete string by theory.
 """
 import csv
 import tempfile
@@ -86,8 +86,8 @@ def make(scene):
     scene.picture("spring_spectrum", spectrum, "one pluck; lines: the discrete string's partials")
     scene.sound("membrane", fade_out(membrane, RATE, FADE), RATE, "the membrane, tapped three times a second")
     scene.picture("spring_membrane", draw(membrane, taps, "z", 2000), "handle, force and sound of the membrane")
-    scene.table(["", "by theory", "found"],
+    scene.table(["", "theory", "render"],
                 [["string's first partial, Hz", f"{string_hertz(1):.2f}", f"{first:.2f}"],
-                 ["largest force while it is drawn, N", "", f"{numpy.abs(rows['fy_n'][500:]).max():.2f}"],
+                 ["largest force of a pluck, N", "", f"{numpy.abs(rows['fy_n'][500:]).max():.2f}"],
                  ["largest force of a tap, N", "", f"{numpy.abs(taps['fz_n'][500:]).max():.2f}"]],
-                "what the hand and the ear met")
+                "partial of the sound, and forces on the hand")

@@ -2,8 +2,8 @@
 
 `patches/haptic/struck_disk.pd` with the simulated device. A hand on a spring of 500 N/m goes down
 and up over an aluminium disk, 100 mm across and 12 mm thick, 25 mm beside its middle. The contact is
-found inside the servo, a thousand times a second; its `hit` sounds in [modal_impact~]; the sound's
-loudness comes back to the hand through [phantom~] as a vibration of 250 Hz along the surface's
+detected inside the servo, a thousand times a second; its `hit` excites [modal_impact~]; the loudness
+of the sound returns to the hand through [phantom~] as a vibration of 250 Hz along the surface's
 normal, while the hand touches.
 """
 import csv
@@ -77,10 +77,10 @@ def make(scene):
     scene.sound("struck_disk", fade_out(sound, RATE, 0.3), RATE, "a hand strikes the disk every 480 ms")
     scene.picture("strike", draw(sound, rows), "handle, force and sound")
     scene.picture("strike_blow", draw_contact(rows, still),
-                  "one contact: the scene's spring, and the disk's loudness as 250 Hz on it")
+                  "one contact: force of the scene's spring, with the disk's loudness as a vibration of 250 Hz")
     vibration = numpy.array(column(rows, "fz_n")) - column(still, "fz_n")[:len(rows)]
-    scene.table(["blows", "deepest, mm", "largest force, N", "vibration, N RMS in contact"],
+    scene.table(["strikes", "largest depth, mm", "largest force, N", "vibration, N RMS in contact"],
                 [[str(int(((column(rows, "z_mm")[1:] < TOP) & (column(rows, "z_mm")[:-1] >= TOP)).sum())),
                   f"{TOP - column(rows, 'z_mm').min():.2f}", f"{column(rows, 'fz_n').max():.2f}",
                   f"{vibration[column(rows, 'z_mm') < TOP].std():.2f}"]],
-                "what the hand met")
+                "contacts of the hand")

@@ -1,9 +1,9 @@
 """A walk over a wooden plank and a steel sheet: every heel and ball strikes the body's modes where it lands
 
-patches/footsteps/walk_on_plate.pd: [footstep~] walks, and its info outlet says which part of which foot
+patches/footsteps/walk_on_plate.pd: [footstep~] walks, and its info outlet reports which part of which foot
 lands and how fast; [modal_impact~] is struck there, with the mass of a heel and the stiffness of a shoe. So
-one can walk on any body that has a table; here on two from modal_fem, held at both ends, with a loss factor
-of 0.02, which joists and feet give them.
+one can walk on any body that has a table; here on two from modal_fem, fixed at both ends, with a loss factor
+of 0.02, caused by joists and feet.
 """
 import pathlib
 import sys
@@ -60,7 +60,7 @@ def make(scene):
     rows = []
     for axis, (name, words) in zip(axes, FLOORS.items()):
         table = _bodies.table(*words)
-        scene.progress(f"{name}: its modes")
+        scene.progress(f"{name}: modes computed")
         render = walk(table)
         sound = numpy.stack([render["left"], render["right"]], axis=1)
         hits = [(ms / 1000, atoms) for ms, atoms in render.logs["body"] if atoms[0] == "hit"]
@@ -73,6 +73,6 @@ def make(scene):
             speeds = [atoms[4] for time, atoms in hits if begin <= time < end]
             rows.append([name, word, len(speeds), f"{numpy.mean(speeds):.2f}", f"{100 * abs(part).max() / 2:.2g}",
                          f"{centroid(part):.0f}", f"{numpy.load(table)['freq'][0]:.1f}"])
-        scene.progress(f"{name}: walked on")
+        scene.progress(f"{name}: walk rendered")
     scene.picture("spectrograms", figure, "a walk of fifteen seconds, three shoes")
-    scene.table(["floor", "shoe", "strikes", "mean m/s", "loudest, Pa", "centroid, Hz", "first mode, Hz"], rows)
+    scene.table(["floor", "shoe", "strikes", "mean speed, m/s", "loudest, Pa", "centroid, Hz", "first mode, Hz"], rows)

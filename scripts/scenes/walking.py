@@ -1,6 +1,6 @@
-"""Ways of walking: one takes a walk, turns, runs, jumps, sneaks, climbs, scuffs, halts and sets off
+"""One walker sets off, turns, runs, jumps, sneaks, climbs stairs, scuffs, drags a foot and halts
 
-One walker of [footstep~] in one take: over gravel, wood and concrete, with every way of walking and every
+One walker of [footstep~] in one take: over gravel, wood and concrete, with every gait and every
 movement; then each of them alone on gravel, with the forces under both feet.
 """
 import matplotlib.pyplot as plt
@@ -61,7 +61,7 @@ def make(scene):
                 axes[2 * half + 1].annotate(word, (t - a / RATE, 1.02), xycoords=("data", "axes fraction"),
                                             rotation=30)
     axes[1].legend(loc="upper right")
-    scene.picture("tour", figure, "sound and the forces of both feet, half a take each")
+    scene.picture("tour", figure, "sound and forces of both feet, in two halves of the take")
     scene.progress("walking: the tour")
     scene.heading("Each alone")
     figure, axes = plt.subplots(len(EACH), 2, figsize=(15, 2.2 * len(EACH)), constrained_layout=True)
@@ -75,5 +75,5 @@ def make(scene):
         rms = 20 * numpy.log10(numpy.sqrt(numpy.mean(sound[:ALONE * RATE] ** 2)) + 1e-9)
         rows.append([name, f"{max(left.max(), right.max()) / 700:.2f}", f"{(left + right).max() / 700:.2f}",
                      f"{rms:.1f}"])
-    scene.picture("each", figure, "each way of walking on gravel")
-    scene.table(["", "most under one foot, weights", "under both", "level, dB"], rows)
+    scene.picture("each", figure, "each gait and movement on gravel")
+    scene.table(["", "largest force under one foot, body weights", "under both feet", "level, dB"], rows)

@@ -70,7 +70,7 @@ void is_loaded_and_opened_once(const char* serial, const char* loads_variable) {
     REQUIRE(device->open() == "");
     CHECK(driver.list().at(0).identity.serial == serial);
     CHECK(driver.list().at(0).state == "open in this program");
-    says(other->open(), "open in this program already");
+    says(other->open(), "already open in this program");
     other->close();
     CHECK(driver.list().at(0).state == "open in this program");
     device->close();

@@ -103,7 +103,7 @@ def test_a_table_of_inputs_that_have_changed_since_is_found_by_its_line():
 @pytest.mark.parametrize("page, sentence", [
     (STAMPED.format("12345678", "core", "{}").replace("{}", str(LAST)), "no commit 12345678"),
     (STAMPED.format(LAST, "core/none", LAST), "core/none does not exist"),
-    (STAMPED.format(LAST, "core", LAST).replace("Inputs", "Input", 1), "does not say of which inputs")])
+    (STAMPED.format(LAST, "core", LAST).replace("Inputs", "Input", 1), "has no line of its inputs")])
 def test_a_stamp_that_says_nothing_is_named(page, sentence):
     assert [sentence in fault for _, fault, _ in tables.staleness(page.split("\n")) if fault] == [True]
 

@@ -126,7 +126,7 @@ TEST_CASE(
   for (std::size_t i = 0; i < 65; ++i)
     rig.say("hit", {1.0});
   REQUIRE(rig.host.errors.size() == 1);
-  CHECK(rig.host.errors[0].find("64 messages wait") != std::string::npos);
+  CHECK(rig.host.errors[0].find("64 messages are already queued") != std::string::npos);
   rig.take_answer();
 
   test::set(rig.object, "size", 3); // a reset silences what waits, too
@@ -143,13 +143,13 @@ TEST_CASE("a radiation for which the table has no arrays is refused, and get tel
   test::set(rig.object, "radiation", 1);
   REQUIRE(rig.host.errors.size() == 1);
   CHECK(rig.host.errors[0].find("radiation raw: the table has no arrays raw_v") == 0);
-  CHECK(rig.host.errors[0].ends_with("body is used"));
+  CHECK(rig.host.errors[0].ends_with("using body"));
   CHECK(test::get(rig.object, "radiation") == 2);
   rig.say("load", {"mute.modal.npz"});
   rig.take_answer();
   REQUIRE(rig.host.errors.size() == 2);
   CHECK(rig.host.errors[1].find("radiation body: the table has no arrays mp_coef") == 0);
-  CHECK(rig.host.errors[1].ends_with("modal is used"));
+  CHECK(rig.host.errors[1].ends_with("using modal"));
   CHECK(test::get(rig.object, "radiation") == 0);
   rig.say("hit", {1.0});
   CHECK(rig.peak() > kSilent);
@@ -197,7 +197,7 @@ TEST_CASE(
   request.body = file("no.modal.npz", 3);
   const auto fourth = answer_to(request);
   CHECK(fourth.sentences ==
-        std::vector<std::string>{"load no.modal.npz: it is no file that can be read"});
+        std::vector<std::string>{"load no.modal.npz: it is not a readable file"});
   CHECK(fourth.answer->in_use.body.number == 2);
   CHECK(answer_to(request).sentences.empty()); // once
 }

@@ -112,7 +112,7 @@ TEST_CASE("a child that fails is lost, with its reason") {
        {std::pair("dies", "the solver ended: modal_fem: a  reason"),
         std::pair("sizes", "vertices and 1 parameters: expected the table's 4 and 1"),
         std::pair("mute", "did not answer within 0.4 s"), std::pair("shares", "expected -1..1"),
-        std::pair("damaged", "the solver's answer is invalid")}) {
+        std::pair("damaged", "the solver sent an invalid answer")}) {
     const std::string mode = name; // a binding cannot be captured
     CAPTURE(mode);
     // Only what waits for ever must meet its limit: the others have time on a busy machine.

@@ -126,7 +126,7 @@ TEST_CASE("a program that is not there or cannot run is one sentence") {
         std::string("/etc/passwd"), text}) {
     rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", program, false});
     CHECK(!rig.prepare());
-    rig.is_lost(program == text ? "does not start: No such file" : "was not found");
+    rig.is_lost(program == text ? "cannot start: No such file" : "was not found");
   }
 }
 
@@ -144,11 +144,11 @@ TEST_CASE("a child that fails is lost, with its reason, and its parent gets no s
       {"huge", "sent an invalid answer"},
       {"sizes", "parameters: expected the table's"},
       {"costs", "expected 0..100000 s"},
-      {"another", "another stress at the table's own shape"},
+      {"another", "stress at the table's own shape differs"},
       {"killed", "the solver ended: signal 9", true},
       {"mute", "did not answer within 0.448 s", true}, // 20 (0.01 + 62 * 0.0002)
       {"mute", "did not answer within 0.448 s", true, true},
-      {"nonsense", "numbers that cannot be", true},
+      {"nonsense", "impossible numbers", true},
       {"half", "the solver ended: status 0", true},
       {"short", "sent an invalid answer", true},
   };

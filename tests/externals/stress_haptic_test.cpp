@@ -269,7 +269,7 @@ TEST_CASE("bad input is one error and changes nothing") {
   one("points", {}, "load");
   one("reset", {}, "load");
   rig.say("load", {"held.stress.npz"});
-  one("grab", {2.0}, "has no parameters");
+  one("grab", {2.0}, "is fixed in this table");
   rig.say("load", {"cantilever.stress.npz"});
   rig.run(300);
   const double gamma = rig.gamma();
@@ -281,7 +281,7 @@ TEST_CASE("bad input is one error and changes nothing") {
   one("load", {"bad.stress.npz"}, "not an .npz file");
   one("state", {1.0}, "shear0");
   one("weights", {1.0}, "array weights");
-  one("resolve", {2.0}, "no solver");
+  one("resolve", {2.0}, "no mesh");
   rig.host.errors.clear();
   rig.handle({1.0, 2.0, 3.0, 4.0, 5.0});
   rig.handle({1.0, kNan, 3.0});
@@ -389,7 +389,7 @@ TEST_CASE("a named solver replaces the one before") {
     rig.host.errors.clear();
     rig.say("solver", {wrong});
     REQUIRE(rig.host.errors.size() == 1);
-    CHECK(rig.host.errors[0].find("no such program") != std::string::npos);
+    CHECK(rig.host.errors[0].find("no executable file") != std::string::npos);
   }
   rig.host.errors.clear();
   rig.say("solver", {"fake.good"});
@@ -413,7 +413,7 @@ TEST_CASE("a table that cannot be read leaves the one before, also one that is n
   REQUIRE(taken.answer);
   CHECK(taken.answer->load == 1);
   CHECK(taken.sentences ==
-        std::vector<std::string>{"load none.stress.npz: it is no file that can be read"});
+        std::vector<std::string>{"load none.stress.npz: it is not a readable file"});
   request.table = 1; // and it is evaluated
   request.displacement_m = {0, 0};
   worker.request_here(request);

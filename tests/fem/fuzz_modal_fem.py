@@ -211,9 +211,9 @@ def outcome(words, folder, bounded, longest):
         return "read", last
     if os.WEXITSTATUS(status) != 1 or not last.startswith("modal_fem: ") or "Sanitizer" in " ".join(lines):
         return "crash", last
-    if re.search("reader crashed|ended without an answer|sent no readable|the system ended", last):
+    if re.search("reader crashed|ended without an answer|sent an invalid answer|the system stopped", last):
         return "contained crash", last
-    if "ran out of the" in last or "out of memory" in last:
+    if "meshing need more than" in last or "out of memory" in last:
         return "contained memory", last
     return ("contained time" if "no progress in" in last else "refused"), last
 

@@ -97,8 +97,8 @@ TEST_CASE("a refusal, a crash, an exit and a kill come back as one sentence with
   CHECK(outcome([] { throw std::logic_error("odd"); }) == "odd");
   ends("failed", [] { throw 7; });
   if (!under_address_sanitizer()) {
-    ends("a.step: the reader crashed (a memory access", [] { *g_nowhere = 1; });
-    ends("a failed check", [] { std::abort(); });
+    ends("a.step: the reader crashed (an invalid memory access", [] { *g_nowhere = 1; });
+    ends("a failed internal check", [] { std::abort(); });
   }
   ends(under_address_sanitizer() ? "a.step" : "division", [] { std::raise(SIGFPE); });
   ends("status 3", [] { _exit(3); });
@@ -299,14 +299,14 @@ TEST_CASE("the parent believes no message") {
   constexpr std::uint32_t kNotify = 0x74610001, kReport = kNotify + 1, kMesh = kNotify + 2,
                           kRefusal = kNotify + 3;
   sent("without an answer", "nonsense");
-  sent("no readable answer", std::string(100, 'x'));
-  sent("no readable answer", message(kNotify, 1u << 20, ""));
+  sent("an invalid answer", std::string(100, 'x'));
+  sent("an invalid answer", message(kNotify, 1u << 20, ""));
   sent("without an answer", message(kReport, 3, "abc")); // nobody wants reports here
-  sent("no readable answer", message(kMesh, ~std::uint64_t{0}, ""));
+  sent("an invalid answer", message(kMesh, ~std::uint64_t{0}, ""));
   sent("without an answer", message(kMesh, 1u << 29, "few"));
   sent("damaged", message(kMesh, 0, ""));
   sent("a?b?[2J c", message(kRefusal, 9, "a\nb\x1b[2J c"));
-  sent("no readable answer", message(kNotify, 5, "hello") + message(99, 0, ""));
+  sent("an invalid answer", message(kNotify, 5, "hello") + message(99, 0, ""));
 }
 
 TEST_CASE("no damaged bytes of a mesh are taken for one that would be used out of range") {

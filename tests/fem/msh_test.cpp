@@ -314,7 +314,7 @@ TEST_CASE("comments, unknown sections, blank lines and Windows line ends change 
         changed(kText4, "$Entities", "$Wonder\n$Nodes\n7\n$EndWonder\n$Entities"),
         kText2 + "$NodeData\n1\n\"view\"\n$EndNodeData\n"})
     CHECK(volume(read_msh(write(folder, text), 1, notify)) == doctest::Approx(1. / 6));
-  CHECK(said == "not read of the file: $Wonder;not read of the file: $NodeData;");
+  CHECK(said == "ignored in the file: $Wonder;ignored in the file: $NodeData;");
 }
 
 TEST_CASE("what is damaged is refused by place, value and expectation") {

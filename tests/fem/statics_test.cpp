@@ -462,7 +462,7 @@ TEST_CASE("bodies that can move are refused with the motion that is free") {
     model.springs = std::move(springs);
     check_refused([&] { return solve_static(body, model); }, words);
   };
-  refused(mesh, {}, {}, "the body is not held: 6 of its 6 rigid motions are free");
+  refused(mesh, {}, {}, "the body is not fully supported: 6 of its 6 rigid motions are free");
   refused(mesh, {{"edge", wall, {true, false, true}, {}}}, {},
           "1 of its 6 rigid motions are free, among them a translation along y");
   refused(mesh, {{"hinge", hinge, {true, true, true}, {}}}, {},
@@ -489,16 +489,16 @@ TEST_CASE("a bad model is one sentence that names its part") {
   };
   refused([](auto&) {}, "nothing was refused");
   refused([](auto& m) { m.materials.clear(); }, "expected one for each");
-  refused([](auto& m) { m.fixed[0].nodes = {99999}; }, "support wall holds node 100000");
-  refused([](auto& m) { m.fixed[0].nodes.clear(); }, "support wall holds no node");
-  refused([](auto& m) { m.fixed[0].directions = {}; }, "holds no direction");
-  refused([](auto& m) { m.fixed[0].displacement_m.x = NAN; }, "no number");
+  refused([](auto& m) { m.fixed[0].nodes = {99999}; }, "support wall fixes node 100000");
+  refused([](auto& m) { m.fixed[0].nodes.clear(); }, "support wall selects no node");
+  refused([](auto& m) { m.fixed[0].directions = {}; }, "fixes no direction");
+  refused([](auto& m) { m.fixed[0].displacement_m.x = NAN; }, "not a finite number");
   refused(
       [](auto& m) {
         m.fixed.push_back(m.fixed[0]);
         m.fixed[1].displacement_m.z = 1e-3;
       },
-      "another place");
+      "another displacement");
   const auto load = [&](const Load& bad, const char* words) {
     refused([&](auto& m) { m.loads = {bad}; }, words);
   };

@@ -29,7 +29,7 @@ def peak(*words, folder):
 
 
 def foretold(text):
-    value, unit = re.findall(r"about ([\d.]+) (MB|GB) and .* ahead \(factor", text)[-1]
+    value, unit = re.findall(r"about ([\d.]+) (MB|GB) and .* needed \(factor", text)[-1]
     return float(value) * {"MB": 1e6, "GB": 1e9}[unit]
 
 
@@ -99,9 +99,9 @@ def test_few_modes_of_a_thick_body_take_little(tmp_path):
 
 def test_absurd_numbers_are_refused_or_harmless_and_sizes_are_read_as_people_write_them(tmp_path):
     run(*DISK, "--h", "1e9", "--modes", 3, folder=tmp_path)
-    for words, expected in [(["--h", "1e-9"], "expected at most"), (["--layers", "1e9"], "1 to 200"),
-                            (["--modes", "1e9"], "1 to 20000"),
-                            *((["--memory", size], "from 1M") for size in ("12", "4Q", "nan")),
+    for words, expected in [(["--h", "1e-9"], "expected at most"), (["--layers", "1e9"], "1..200"),
+                            (["--modes", "1e9"], "1..20000"),
+                            *((["--memory", size], "of 1M or more") for size in ("12", "4Q", "nan")),
                             *((["--memory", size], "expected at most 2 MB (--memory)")
                               for size in ("2m", "2000k", "0.002GB", "1.5Mi"))]:
         assert expected in refusal(*DISK, *words, folder=tmp_path), words
@@ -195,7 +195,7 @@ def test_no_stage_of_a_larger_body_is_silent_for_long_nor_takes_more_than_foreto
     assert child.returncode == 0
     assert 1024 * usage.ru_maxrss / 1.25 < foretold("".join(lines)) < 1.25 * 1024 * usage.ru_maxrss
     assert np.diff(worked).max() < 10  # a line every 5 s of the clock, of which it works a part
-    assert any(re.search(r"assembling 100 %", x) for x in lines) and any("ahead" in x for x in lines)
+    assert any(re.search(r"assembling 100 %", x) for x in lines) and any("needed" in x for x in lines)
     # Not chatty either: a line when a stage begins and ends, and one every 5 s.
     stages = {re.sub(r"[\d.]+ s\s+|\s\d+ %.*|, .*", "", x).strip() for x in lines}
     assert len(lines) < 3 * len(stages) + (time.monotonic() - begin) / 4

@@ -80,12 +80,12 @@ def test_a_shift_of_all_points_changes_nothing_and_a_pair_of_a_round_bar_splits_
 
 
 @pytest.mark.parametrize("order, sentence", [
-    (["--lattice", 1, 2, 2], "--lattice 1: expected three whole numbers from 2 to 32"),
-    (["--lattice", 2.5, 2, 2], "--lattice 2.5: expected three whole numbers from 2 to 32"),
+    (["--lattice", 1, 2, 2], "--lattice 1: expected three integers in 2..32"),
+    (["--lattice", 2.5, 2, 2], "--lattice 2.5: expected three integers in 2..32"),
     (["--box", "0,0,0,1,1"], "--box 0,0,0,1,1: expected X1,Y1,Z1,X2,Y2,Z2"),
     (["--box", "0,0,0,-1,1,1"], "expected each coordinate of the second corner above the first's"),
-    (["--controls", 99], "--controls: control point 99 is not there, expected 0 to 26"),
-    (["--directions", "w"], "--directions w: expected directions out of x, y and z"),
+    (["--controls", 99], "--controls: control point 99: expected 0..26"),
+    (["--directions", "w"], "--directions w: expected directions such as x, yz or xyz"),
     (["--box", "-10,-50,-50,10,50,50", "--lattice", 2, 2, 2], "no control point may move"),
 ])
 def test_a_wrong_lattice_is_one_sentence(tmp_path, order, sentence):
@@ -135,7 +135,7 @@ def test_what_cannot_be_answered_is_refused_and_the_next_request_is_answered(bar
     with Server(folder) as server:
         server.read()
         for payload, said in ((b"", "0 bytes"), (bytes(8 * count), "expected"), (np.full(2 * count, np.nan).tobytes(), "finite"),
-                              (np.tile(of_face(t, 2, -30e-3), 2).tobytes(), "along z: -30 mm, expected -6 to 6 mm")):
+                              (np.tile(of_face(t, 2, -30e-3), 2).tobytes(), "along z -30 mm: expected -6..6 mm")):
             assert said in server.refuses(SOLVE, payload)
         assert "kind 77" in server.refuses(77)
         assert server.solve(np.zeros(count), np.zeros(count))[3]["freq"] == pytest.approx(t["freq"], rel=1e-9)
@@ -149,7 +149,7 @@ def test_a_table_that_was_changed_or_holds_no_mesh_is_refused(bar):
     assert "body.modal.npz" in refusal("serve", "body.modal.npz", folder=folder)
     assert "expected one file" in refusal("serve", folder=folder)
     request = np.zeros(2 * len(t["parameters"])).tobytes()
-    for changed, said in (({"freq": t["freq"] * 1.001}, "mode 1 has"), ({"phi": t["phi"][::-1]}, "another shape")):
+    for changed, said in (({"freq": t["freq"] * 1.001}, "mode 1 has"), ({"phi": t["phi"][::-1]}, "differs from that at")):
         np.savez(folder / "changed.modal.npz", **{**t, **changed})
         with Server(folder, "changed.modal.npz") as server:
             assert server.read()[0] == READY
@@ -157,4 +157,4 @@ def test_a_table_that_was_changed_or_holds_no_mesh_is_refused(bar):
             assert said in sentence and "unchanged" in sentence
     silent = {name: value for name, value in meta(t).items() if name != "command"}
     np.savez(folder / "silent.modal.npz", **{**t, "meta": np.frombuffer(json.dumps(silent).encode(), np.uint8)})
-    assert "how it was made" in refusal("serve", "silent.modal.npz", folder=folder)
+    assert "the command that made it" in refusal("serve", "silent.modal.npz", folder=folder)

@@ -43,9 +43,9 @@ def test_slepc_gives_the_same_modes(body, ranks, tmp_path):
 @needs_slepc
 def test_errors_are_not_estimated_where_the_factor_has_no_room_and_that_is_said(tmp_path):
     body = ["plate", "--length", 60, "--width", 60, "--thickness", 60, "--h", 6, "--modes", 4, "--memory", "110M"]
-    assert "the factor would take" in refusal(*body, folder=tmp_path)
+    assert "the factorisation would take" in refusal(*body, folder=tmp_path)
     found, said = table(*body, "--engine", "slepc", "--ranks", 1, folder=tmp_path)
-    assert "warning: the errors are not estimated: they need the factor here, which would take" in said
+    assert "warning: the errors are not estimated: they need a factorisation in this process, which would take" in said
     assert len(errors(found)) == 0
 
 
@@ -67,5 +67,5 @@ def test_a_missing_engine_names_the_packages_and_its_options_are_checked(tmp_pat
     said = program.run(*words, folder=tmp_path, expect=1, env={**os.environ, "PATH": str(tmp_path)}).stderr
     assert "openmpi-bin" in said and "meshing" not in said
     for words, expected in [(["--ranks", 2], "--engine slepc"), (["--engine", "petsc"], "cholmod or slepc"),
-                            (["--engine", "slepc", "--ranks", 0], "1 to 4096")]:
+                            (["--engine", "slepc", "--ranks", 0], "1..4096")]:
         assert expected in refusal(*DISK, *words, folder=tmp_path)

@@ -39,7 +39,7 @@ def read_vtu(path):
 
 
 def supports_take(said):
-    return np.array(re.search(r"supports take \(([^)]*)\)", said)[1].split(", "), float)
+    return np.array(re.search(r"support reaction \(([^)]*)\)", said)[1].split(", "), float)
 
 
 # ---- the part as it is
@@ -90,7 +90,7 @@ def test_the_bore_of_a_tube_is_lames_within_a_percent_and_within_its_estimate(tm
     assert stress == pytest.approx(exact, rel=0.01)
     assert abs(stress - exact) < error < 0.03 * exact
     assert np.hypot(*point[:2]) == pytest.approx(a, rel=1e-3)
-    assert "singular corner" not in said  # planes of symmetry are none
+    assert "singularity" not in said  # planes of symmetry are none
 
 
 def test_a_small_hole_in_a_pulled_plate_has_three_times_its_stress(tmp_path):
@@ -106,8 +106,8 @@ def test_a_small_hole_in_a_pulled_plate_has_three_times_its_stress(tmp_path):
 
 def test_a_clamp_is_a_singular_corner_and_away_from_it_a_beam_bends(tmp_path):
     said = run(*BAR, "--fix", "x=-100", "--force", "x=100:0,0,-100", folder=tmp_path).stdout
-    assert "is at a singular corner" in said
-    stress, error, point = largest(said, "away from corners the largest is")
+    assert "is at a singularity" in said
+    stress, error, point = largest(said, "elsewhere the largest is")
     bending = 100 * (0.1 - point[0] / 1e3) * 0.01 / (0.02**4 / 12) / 1e6  # M c / I, MPa
     assert abs(stress - bending) < max(error, 0.01 * bending)
     assert abs(stress - bending) < 0.015 * bending
@@ -120,7 +120,7 @@ def test_the_peak_at_a_concave_edge_grows_with_each_refinement_and_is_told_singu
         said = run("hollow_disk", "--diameter", 100, "--thickness", 40, "--cavity-diameter", 50, "--cavity-thickness",
                    16, "--h", h, "--fix", "x=0:x", "--fix", "y=0:y", "--fix", "z=-20:z", "--pressure", "z=20:1e7",
                    folder=tmp_path).stdout
-        assert "is at a singular corner" in said
+        assert "is at a singularity" in said
         peaks.append(largest(said)[0])
     assert peaks[1] > 1.1 * peaks[0]
 
@@ -129,7 +129,7 @@ def test_the_peak_at_a_concave_edge_grows_with_each_refinement_and_is_told_singu
 def test_displacements_that_are_not_small_are_told(newton, told, tmp_path):
     """F L^3/(3 E I) and 1 % by shear are 10 % of 200 mm at 20.8 kN, for a square of 20 mm and E = 210 GPa."""
     said = run(*BAR, "--h", 10, "--fix", "x=-100", "--force", f"x=100:0,0,-{newton:g}", folder=tmp_path).stdout
-    assert ("of the part's length: the stress is that of small displacements" in said) == told
+    assert ("of the part's length: the linear equations are valid up to" in said) == told
 
 
 @pytest.mark.slow
@@ -285,28 +285,28 @@ def test_the_sheet_shows_the_part_before_and_after_and_leaves_nothing_else(tmp_p
 # ---- refusals
 
 @pytest.mark.parametrize("words, expected", [
-    ([*BAR, "--force", "x=100:0,0,1"], "nothing holds it"),
-    ([*BAR, "--fix", "x=-100"], "carries no load"),
+    ([*BAR, "--force", "x=100:0,0,1"], "no supports"),
+    ([*BAR, "--fix", "x=-100"], "no loads"),
     ([*BAR, "--fix", "x=-100:x", "--force", "x=100:0,0,1"], "3 of its 6 rigid motions are free"),
     ([*BAR, "--fix", "x=-101", "--force", "x=100:0,0,1"], "--fix x=-101"),
-    ([*LOADED, "--force", "x=-100:0,0,1"], "--force x=-100:0,0,1 acts on held nodes alone"),
+    ([*LOADED, "--force", "x=-100:0,0,1"], "--force x=-100:0,0,1 acts only on fixed nodes"),
     ([*LOADED, "--force", "x=100:1,2"], "2 numbers, expected 3"),
-    ([*LOADED, "--force", "x=100:1,2,nan"], "nan is no number"),
-    ([*LOADED, "--force", "x=100:1,2,1e300"], "1e300: expected a number within -1e15..1e15"),
+    ([*LOADED, "--force", "x=100:1,2,nan"], "nan: not a finite number"),
+    ([*LOADED, "--force", "x=100:1,2,1e300"], "1e300: expected a number in -1e15..1e15"),
     ([*LOADED, "--force", "ball:1,2,3"], "expected x=LEVEL"),
     ([*LOADED, "--force", "box:1,2,3:1,2,3"], "expected 6"),
-    ([*LOADED, "--force", "box:1,2,3,0,0,0:1,2,3"], "box ends before it begins"),
+    ([*LOADED, "--force", "box:1,2,3,0,0,0:1,2,3"], "box has low above high"),
     ([*LOADED, "--pressure", "x=100"], "expected a pressure in Pa"),
     ([*LOADED, "--bolt", "x=100:0,0,1"], "wall of a round hole"),
     ([*LOADED, "--point", "1,2,3"], "expected X,Y,Z:FX,FY,FZ"),
-    ([*LOADED, "--spring", "x=100:-5"], "0 or more N/m"),
+    ([*LOADED, "--spring", "x=100:-5"], "0 N/m or more"),
     ([*LOADED, "--spring", "x=100:0"], "above 0"),
     ([*LOADED, "--lattice", 1, 3, 3], "--lattice 1"),
-    ([*LOADED, "--lattice", 3, 3], "expected three whole numbers"),
+    ([*LOADED, "--lattice", 3, 3], "expected three integers"),
     ([*LOADED, "--degree", 3, 2, 2], "expected 1 to 2"),
     ([*LOADED, "--box", "300,0,0,310,9,9"], "no node of the mesh"),
     ([*LOADED, "--box", "-10,-12,-12,10,12,12", "--lattice", 2, 2, 2], "no control point may move"),
-    ([*LOADED, "--controls", 40], "expected 0 to 26"),
+    ([*LOADED, "--controls", 40], "expected 0..26"),
     ([*LOADED, "--move", 99, 0, 0, 1], "--move 99"),
     ([*LOADED, "--move", 5, 0, 0], "--move --quiet: expected a number"),
     ([*LOADED, "--memory", "1M"], "expected at most 1 MB"),
@@ -315,7 +315,7 @@ def test_the_sheet_shows_the_part_before_and_after_and_leaves_nothing_else(tmp_p
     ([*LOADED, "--vtu", "a", "-o", "a"], "same file"),
     ([*LOADED, "--step", "a.step"], "--step"),
     ([*LOADED, "--modes", 3], "unknown option --modes"),
-    (["lift_arm", "--rod-width", 20], "rod_eye width is 20 mm"),
+    (["lift_arm", "--rod-width", 20], "rod_eye width 20 mm"),
     (["none.step", "--fix", "x=0", "--gravity", "0,0,-9"], "cannot read none.step: no such file"),
 ])
 def test_what_cannot_be_done_is_refused_in_one_sentence(words, expected, tmp_path):
@@ -370,7 +370,7 @@ def test_a_server_solves_the_part_at_other_shapes_and_ends_with_its_stdin(served
         # Bad requests are refused, and the next good one is answered.
         for payload, words in ((b"", "expected"), (struct.pack("<II", 9, 0) + p.tobytes(), "method 9"),
                                (struct.pack("<II", 1, 4) + p.tobytes(), "flags 4"),
-                               (struct.pack("<II", 1, 0) + (p + 0.021).tobytes(), "control point 13 along y: 21 mm, expected -5 to 5 mm"),
+                               (struct.pack("<II", 1, 0) + (p + 0.021).tobytes(), "control point 13 along y 21 mm: expected -5..5 mm"),
                                (struct.pack("<II", 0, 0) + (p * np.nan).tobytes(), "")):
             assert words in server.refuses(SOLVE, payload)
         assert "kind 77" in server.refuses(77)
@@ -433,7 +433,7 @@ def test_files_that_a_server_cannot_use_are_refused(served, tmp_path):
     np.savez(tmp_path / "mesh.npz", **{**table, "mesh": table["mesh"][:-9]})
     silent = {name: value for name, value in meta(table).items() if name != "command"}
     np.savez(tmp_path / "silent.npz", **{**table, "meta": text(silent)})
-    for name, words in (("cut", "cut off"), ("other", "no stress table"), ("mesh", "mesh.npz"), ("silent", "command")):
+    for name, words in (("cut", "damaged"), ("other", "not a stress table"), ("mesh", "mesh.npz"), ("silent", "command")):
         done = run("serve", f"{name}.npz", folder=tmp_path, expect=1)
         assert words in done.stderr and len(done.stderr.splitlines()) == 1 and not done.stdout
 

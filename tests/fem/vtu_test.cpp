@@ -80,5 +80,5 @@ TEST_CASE("fields of another size or without finite numbers are refused and leav
   refuses(3, "expected 3 for each of");
   refuses(0, "field stress");
   values[5] = NAN;
-  refuses(1, "no finite number");
+  refuses(1, "not a finite number");
 }

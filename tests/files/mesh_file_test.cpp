@@ -17,7 +17,7 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-const std::string kNoTriangles = "holds no triangles; expected an STL or OBJ file";
+const std::string kNoTriangles = "holds no triangles: expected an STL or OBJ file";
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0 # corner\nv 0 1 0\n";
 const std::string kFacet = "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n"
                            " vertex 0 1e0 0\n endloop\nendfacet\n";
@@ -108,12 +108,12 @@ TEST_CASE("a binary STL file may have bytes after its triangles, or count none")
   CHECK(read_mesh(parse_binary_stl(3, 0), MeshFormat::kStl).polygons() == 3);
   CHECK(error_of(parse_binary_stl(3, 0) + "x", MeshFormat::kStl) == kNoTriangles);
   CHECK(error_of(parse_binary_stl(3, 4), MeshFormat::kStl) ==
-        "promises 4 triangles and ends after 3");
+        "is damaged: its header counts 4 triangles, it ends after 3");
   CHECK(error_of("cube", MeshFormat::kStl) ==
-        "is no STL file: it has 4 bytes and does not start with \"solid\"");
+        "is not an STL file: it has 4 bytes and does not start with \"solid\"");
   std::string nan = parse_binary_stl(2, 2);
   nan.replace(84 + 50 + 12, 4, "\xff\xff\xff\xff");
-  CHECK(error_of(nan) == "triangle 2 has a corner that is no number");
+  CHECK(error_of(nan) == "triangle 2 has a corner that is not a finite number");
 }
 
 TEST_CASE("OBJ indices, groups, joined lines and free form") {
@@ -167,7 +167,7 @@ TEST_CASE("what is wrong is one sentence with its line") {
         {begin + "endfacet\n", "line 5: a facet with 2 corners, expected 3"},
         {begin + "vertex 1 1 0\nvertex 0 1 0\nendfacet",
          "line 7: a facet with 4 corners, expected 3"},
-        {begin, "ends within a facet"},
+        {begin, "is damaged: it ends within a facet"},
         {begin + "facet\n", "line 5: \"facet\", expected " + stl_words},
         {begin + "edge 1 1 0\n", "line 5: \"edge\", expected " + stl_words},
         {begin + "vertex 1 1 0 vertex 1 1 1\n", "line 5: \"vertex\", expected " + stl_words},

@@ -30,9 +30,9 @@ TEST_CASE("a file that is wrong is refused with the line") {
   CHECK(parse_path("0 0 0 0\n1 2 3 nan").error == "line 2: expected ms x y z [buttonmask]");
   CHECK(parse_path("0 0 0 0 1 7").error == "line 1: expected ms x y z [buttonmask]");
   CHECK(parse_path("5 0 0 0\n\n1 0 0 0").error == "line 3: time goes backwards");
-  CHECK(parse_path("0 0 1e9 0").error == "line 1: a position is beyond 100000 mm");
+  CHECK(parse_path("0 0 1e9 0").error == "line 1: a position is outside -100000..100000 mm");
   CHECK(parse_path("0 0 0 0 1.5").error ==
-        "line 1: the button mask is not a whole number from 0 to 4294967295");
+        "line 1: the button mask is not an integer in 0..4294967295");
 }
 
 TEST_CASE("random bytes never break the reader") {

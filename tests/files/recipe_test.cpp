@@ -144,14 +144,18 @@ TEST_CASE("errors are found in their line, and the recipe is unchanged") {
   CHECK(read("level 1 2\n[solid]\n") == "line 1: level: expected one number");
   CHECK(read("level 1x\n[solid]\n") == "line 1: level: expected one number");
   CHECK(read("level inf\n[solid]\n") == "line 1: level: expected one number");
-  CHECK(read("colour 3\n[solid]\n") == "line 1: there is no 'colour' before the first section");
-  CHECK(read("[room]\ngains 3\n[solid]\n") == "line 2: there is no 'gains' in [room]");
-  CHECK(read("") == "it has no section that sounds");
-  CHECK(read("[room]\n") == "it has no section that sounds");
+  CHECK(read("colour 3\n[solid]\n") == "line 1: unknown key 'colour' before the first section");
+  CHECK(read("[room]\ngains 3\n[solid]\n") == "line 2: unknown key 'gains' in [room]");
+  CHECK(
+      read("") ==
+      "it has no sounding section: expected [solid], [friction], [grains], [bubbles] or [rustle]");
+  CHECK(
+      read("[room]\n") ==
+      "it has no sounding section: expected [solid], [friction], [grains], [bubbles] or [rustle]");
   CHECK(read("[solid]\nfrequency 300000\n") == "line 2: frequency 300000 Hz: expected 20..12000");
   CHECK(read("# a\n[soild]\n") ==
         "line 2: [soild]: expected [solid], [friction], [grains], [bubbles], [rustle] or [room]");
-  CHECK(read("[grains]\ncolour 3") == "line 2: there is no 'colour' in [grains]");
+  CHECK(read("[grains]\ncolour 3") == "line 2: unknown key 'colour' in [grains]");
   CHECK(read("[solid]\ngains 1 2 x") == "line 2: gains x dB: expected -120..120");
   CHECK(read("[grains]\n[grains]\n[grains]\n[bubbles]\n[grains]") ==
         "line 5: more than 4 sections of grains, bubbles and rustle");

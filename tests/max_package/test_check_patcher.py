@@ -44,18 +44,18 @@ def change(text, /, **values):
 
 REED = "greed~ @type closed"
 MISTAKES = {
-    "a cord to no box": (lambda p: p.boxes.remove(box(p, "ezdac~")), "not in the patcher"),
-    "a signal into a message inlet": (cord(REED, 1, "print a"), "which takes none"),
+    "a cord to no box": (lambda p: p.boxes.remove(box(p, "ezdac~")), "expected both in the patcher"),
+    "a signal into a message inlet": (cord(REED, 1, "print a"), "which accepts no signal"),
     "a fan-out": (cord("button", 0, "print b"), "has 2 cords"),
     "an unknown attribute": (change(REED, text="greed~ @tipe closed"), "no attribute tipe"),
     "an attrui of nothing": (lambda p: box(p, "attrui").extra.update(attr="tipe"), "no such parameter"),
     "an unknown message": (change("type open", text="tipe open"), "no message tipe"),
-    "an unknown choice": (change("type open", text="type ajar"), "type is one of"),
-    "too many arguments": (change("type open", text="preset a b c d e f g"), "takes"),
+    "an unknown choice": (change("type open", text="type ajar"), "type: expected"),
+    "too many arguments": (change("type open", text="preset a b c d e f g"), "arguments"),
     "a whole number beyond 32 bits": (change("type open", text="mass 206000000000, gain -2147483647"),
                                       "206000000000 is beyond 32 bits: expected 206000000000."),
     "an overlap": (change("print b", x=250), "overlap"),
-    "a box outside": (change("comment", x=-20), "outside of the window"),
+    "a box outside": (change("comment", x=-20), "outside the window"),
     "text cut at the right": (change("print a", width=30), "pixels wide"),
     "text cut below": (change("comment", text="one two", width=40), "pixels high"),
 }

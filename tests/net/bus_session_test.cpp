@@ -295,7 +295,7 @@ TEST_CASE("events that the patch could not hand over end the connection, too") {
   link.run(0.1);
   CHECK_FALSE(link.caller.alive());
   CHECK_FALSE(link.listener.alive());
-  CHECK(link.listener.node.last_reason() == "the other side has ended it: busy");
+  CHECK(link.listener.node.last_reason() == "the peer closed it: busy");
 }
 
 TEST_CASE("what the other side would drop is not sent: no flood is complained of") {
@@ -349,7 +349,7 @@ TEST_CASE("half a second of silence is late, five end the connection, and it can
   CHECK(link.caller.alive());
   link.run(0.6);
   CHECK_FALSE(link.caller.alive());
-  CHECK(link.caller.node.last_reason() == "nothing came for 5 s");
+  CHECK(link.caller.node.last_reason() == "received nothing for 5 s");
   CHECK(link.caller.exchange->ready == 0);
   link.stalled = false;
   link.run(0.1);
@@ -383,12 +383,12 @@ TEST_CASE("the right token enters, a wrong one does not; before hello nothing is
       id, frame(Framing::kSlip, Message(Address::kError).string("x").string("typed")), 10);
   const auto said = caller.notices();
   REQUIRE(said.size() == 1);
-  CHECK(said[0].text == "it refuses the connection");
+  CHECK(said[0].text == "the connection was refused");
   raw_peer.connect();
   raw_peer.say(topic("hit", 1, 0));
-  CHECK(raw_peer.answer().find("say hello first") != std::string::npos);
+  CHECK(raw_peer.answer().find("send hello first") != std::string::npos);
   raw_peer.say(Message(Address::kPing).integer(1).integer(2));
-  CHECK(raw_peer.answer().find("say hello first") != std::string::npos);
+  CHECK(raw_peer.answer().find("send hello first") != std::string::npos);
   raw_peer.end.take();
   CHECK(raw_peer.end.received.empty());
   raw_peer.hello("sixteen bytes no"); // lock-outs are the server's tests
@@ -411,7 +411,7 @@ TEST_CASE("messages that are wrong are answered with what was expected, and twen
         {Message(Address::kPong).integer(1).integer(1).string("x"), "integers of us"},
         {Message(Address::kHello).integer(1).string("a").string("bus"), "once"},
         {Message(Address::kWelcome).integer(1).string("a"), "hello"},
-        {Message(Address::kForce).real(1).real(2).real(3), "a bus takes"}}) {
+        {Message(Address::kForce).real(1).real(2).real(3), "expected ping, pong"}}) {
     RawPeer raw_peer;
     raw_peer.hello();
     static_cast<void>(raw_peer.answer());
@@ -429,10 +429,10 @@ TEST_CASE("messages that are wrong are answered with what was expected, and twen
 TEST_CASE("who says hello in another role or an older protocol is told") {
   RawPeer control;
   control.say(Message(Address::kHello).integer(1).string("a").string("control"));
-  CHECK(control.answer().find("the role is bus") != std::string::npos);
+  CHECK(control.answer().find("expected the role bus") != std::string::npos);
   RawPeer old;
   old.say(Message(Address::kHello).integer(0).string("a").string("bus"));
-  CHECK(old.answer().find("protocol 1") != std::string::npos);
+  CHECK(old.answer().find("protocol version 1") != std::string::npos);
   CHECK(old.closing());
   RawPeer newer;
   newer.say(Message(Address::kHello).integer(9).string("a").string("bus"));
@@ -453,7 +453,7 @@ TEST_CASE("a gap in the numbers of events is counted and said") {
   raw_peer.say(topic("hit", 1, 0)); // begins again
   raw_peer.say(Message(Address::kTopic, "hit").real(1e6).integer(0).real(0).string("disk"));
   CHECK(raw_peer.end.node.session(0).lost_events() == 2);
-  CHECK(raw_peer.answer().find("begin again at 1") != std::string::npos);
+  CHECK(raw_peer.answer().find("restart at 1") != std::string::npos);
 }
 
 TEST_CASE("whatever time a message claims, it was sent before it came") {

@@ -116,7 +116,7 @@ TEST_CASE("a server that falls silent is given up after two seconds") {
   CHECK(line.wanted);
   line.run(0.2);
   CHECK(!line.wanted);
-  CHECK(line.client.trouble() == "the server has fallen silent");
+  CHECK(line.client.trouble() == "the server has stopped sending");
 }
 
 TEST_CASE("what does not say welcome is no server") {
@@ -124,16 +124,16 @@ TEST_CASE("what does not say welcome is no server") {
   client.connect(10);
   CHECK(client.advance(11.9));
   CHECK(!client.advance(12));
-  CHECK(client.trouble() == "no haptic server answers there");
+  CHECK(client.trouble() == "no haptic server answers at this address");
   Client other;
   other.connect(10);
   CHECK(!other.receive(bytes_of("HTTP/1.1 400 Bad Request\r\n\r\n;"), 10));
-  CHECK(other.trouble().find("no haptic server") != std::string::npos);
+  CHECK(other.trouble().find("not a haptic server") != std::string::npos);
   for (const Address word : {Address::kError, Address::kBye}) { // none of its own words
     other.connect(10);
     static_cast<void>(
         other.receive(frame(Framing::kLength, Message(word).string("typed").string("typed")), 10));
-    CHECK(other.trouble() == "the server says: it refuses the connection");
+    CHECK(other.trouble() == "the server reports: the connection was refused");
   }
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("another in control, an emergency stop and a wrong token are told") {
   second.client.start(RenderMode::kForce);
   second.run(0.01);
   CHECK(!second.client.in_control());
-  CHECK(second.client.trouble() == "the server says: another client is in control");
+  CHECK(second.client.trouble() == "the server reports: another client is in control");
   Line line;
   line.connect();
   line.run(0.01);
@@ -169,7 +169,7 @@ TEST_CASE("another in control, an emergency stop and a wrong token are told") {
   wrong.connect();
   wrong.run(0.01);
   CHECK(!wrong.wanted);
-  CHECK(wrong.client.trouble() == "the server says: the token is wrong");
+  CHECK(wrong.client.trouble() == "the server reports: the token is wrong");
   Line right(guarded, {"n", "sixteen bytes long"});
   right.connect();
   right.run(0.01);

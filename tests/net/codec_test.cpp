@@ -141,7 +141,7 @@ TEST_CASE("bad OSC packets are refused with the reason") {
   CHECK(osc_reason(packet_of("/hap/force", ",ffd")) == "the packet ends inside its arguments");
   CHECK(osc_reason(packet_of("/hap/force", ",b", Bytes(4))) == kOtherType);
   CHECK(osc_reason(packet_of("/hap/force", ",d", {0x7F, 0xF0, 0, 0, 0, 0, 0, 0})) ==
-        "a number is not finite");
+        "not a finite number");
   CHECK(osc_reason(packet_of("/hap/force", ",d", {0x7F, 0xE0, 0, 0, 0, 0, 0, 0})) ==
         "a number is out of range");
   CHECK(osc_reason(packet_of("/hap/force", ",h", Bytes(4))) ==
@@ -151,9 +151,9 @@ TEST_CASE("bad OSC packets are refused with the reason") {
   CHECK(osc_reason(packet_of("#bundle", "", Bytes(8))).find("bundles") == 0);
   CHECK(osc_reason(packet_of("/hap/hello", ",s", bytes_of("abcd"))) ==
         "a string is not terminated");
-  CHECK(osc_reason(packet_of("/hap/force", ",f", {0x7F, 0x80, 0, 0})) == "a number is not finite");
-  CHECK(osc_reason(packet_of("/hap/force", ",f", {0x7F, 0xC0, 0, 0})) == "a number is not finite");
-  CHECK(osc_reason(packet_of("/hap/force", ",f", {0xFF, 0x80, 0, 0})) == "a number is not finite");
+  CHECK(osc_reason(packet_of("/hap/force", ",f", {0x7F, 0x80, 0, 0})) == "not a finite number");
+  CHECK(osc_reason(packet_of("/hap/force", ",f", {0x7F, 0xC0, 0, 0})) == "not a finite number");
+  CHECK(osc_reason(packet_of("/hap/force", ",f", {0xFF, 0x80, 0, 0})) == "not a finite number");
   CHECK(osc_reason(packet_of("/hap/status", ",iiiiiiiiiiiiiiiii", Bytes(68))) ==
         "more than 16 arguments");
   Message message;

@@ -81,7 +81,7 @@ TEST_CASE("a type that is not taken is an error, no bad packet and no sign of li
     client.send_bytes(with_length(refused));
     rig.run(0.01);
   }
-  CHECK(client.has_received("error 'bad' 'a type tag that is not taken"));
+  CHECK(client.has_received("error 'bad' 'unsupported type tag"));
   CHECK(!client.closing());
   CHECK(rig.force_n == Vec3{});
   client.send_bytes(with_length(bundle({force_packet()})));
@@ -135,10 +135,10 @@ TEST_CASE("eight clients, not nine") {
   for (int i = 0; i < 9; ++i)
     clients.emplace_back(rig).hello();
   CHECK(rig.server.clients() == 8);
-  CHECK(clients[8].has_received("error 'full' 'it takes eight clients at once'"));
+  CHECK(clients[8].has_received("error 'full' 'eight clients are already connected'"));
   CHECK(clients[8].closing());
   CHECK(rig.server.take_notices().back() ==
-        "127.0.0.1 - is refused: it takes eight clients at once");
+        "127.0.0.1 - refused: eight clients are already connected");
   clients[3].disconnect();
   TestClient next(rig);
   next.hello();

@@ -110,7 +110,7 @@ def test_another_address_needs_a_token(program, tmp_path, token):
     short.write_text("fifteen bytes..\n")
     assert "16" in refused("--port", "0", "--listen", "0.0.0.0", "--token", str(short))
     assert "read" in refused("--port", "0", "--token", str(tmp_path / "none"))
-    assert "numbers" in refused("--port", "0", "--listen", "elsewhere", "--token", token)
+    assert "numeric" in refused("--port", "0", "--listen", "elsewhere", "--token", token)
     away = refused("--port", "0", "--listen", "192.0.2.1", "--token", token)  # RFC 5737: nobody's
     assert "an address of this computer" in away and "another port" not in away
     server = program("--listen", "127.0.0.1", "--token", token)
@@ -121,11 +121,11 @@ def test_another_address_needs_a_token(program, tmp_path, token):
 
 
 def test_wrong_options_are_one_sentence(program):
-    assert refused("--dance") == refused("--dance", "3") == "haptic_server: there is no option --dance; --help shows all\n"
-    assert refused("--port", "70000").startswith("haptic_server: --port 70000: expected 0..65535; 0 takes")
-    assert refused("--hand", "soft").endswith(": expected free, rigid, spring or person: holds the handle of sim (spring)\n")
+    assert refused("--dance") == refused("--dance", "3") == "haptic_server: unknown option --dance; see --help\n"
+    assert refused("--port", "70000").startswith("haptic_server: --port 70000: expected 0..65535; 0: any free")
+    assert refused("--hand", "soft").endswith(": expected free, rigid, spring or person: how the hand holds sim (spring)\n")
     assert refused("--device", "").rstrip().endswith("WHICH is an index, a serial number or a path (sim)")
-    assert refused("--port") == "haptic_server: --port lacks its value\n"
+    assert refused("--port") == "haptic_server: --port needs a value\n"
     assert "driver" in refused("--device", "wheelbarrow")
     assert "trace" in refused("--port", "0", "--trace", "/nowhere/trace.csv")
     taken = str(program().port)

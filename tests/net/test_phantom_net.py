@@ -81,15 +81,15 @@ def test_a_server_with_eight_clients_says_that_it_is_full(world):
         peers[-1].hello()
     pd.tell_phantom("open")
     said = pd.wait_for(r"^error: .*$")
-    assert "does not take the connection" in said and "eight clients" in said
+    assert "refused the connection" in said and "eight clients" in said
 
 
 def test_no_server_and_wrong_addresses_are_one_sentence_each(tmp_path):
     with Live(tmp_path, Patch("net 127.0.0.1 70000")) as pd:
-        pd.wait_for("no whole number from 1 to 65535")
+        pd.wait_for("port 70000: expected 1..65535")
         pd.wait_for_patch()
         pd.tell_phantom("backend net 127.0.0.1 x")
-        pd.wait_for("the port x is no whole number")
+        pd.wait_for("port x: expected 1..65535")
         pd.tell_phantom("backend net 127.0.0.1 9")
         pd.tell_phantom("open")
         pd.wait_for("start haptic_server there")

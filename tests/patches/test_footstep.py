@@ -179,8 +179,8 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
     result = foot(messages=[*((10 * i, f"surface {name}.txt") for i, name in enumerate(("glass", "bad", "empty", "long"))),
                             (100, "step")], path=[tmp_path], expect_errors=[
         "footstep~: surface bad.txt: line 2: frequency 900000 Hz: expected 20..12000",
-        "footstep~: surface empty.txt: it has no section that sounds",
-        "footstep~: surface long.txt: it has 100108 bytes: expected 100000 at most"])
+        "footstep~: surface empty.txt: it has no sounding section",
+        "footstep~: surface long.txt: it has 100108 bytes: expected at most 100000"])
     assert abs(result["sound"]).max() > 0 and len(result.errors) == 3
 
 

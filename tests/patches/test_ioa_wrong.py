@@ -16,7 +16,7 @@ WRONG = {  # role: [(message, what the one line says)]; what a topic's fields ar
             ("model add a box 0 0 0 1 -1 1", "expected add id"), ("model add a disk 0 0 0 0 0 1 5 0", "expected add id"),
             ("model set disk mat 1 2 3 4", "expected add id"), ("model set disk colour red", "expected add id"),
             ("model set ghost mat 1 2 3", "ghost: no such body"), ("model del ghost", "ghost: no such body"),
-            ("table disk nosuch.npz", "nosuch.npz: there is no such file"),
+            ("table disk nosuch.npz", "nosuch.npz: file not found"),
             ("excite 0 disk 0 0 6 1e20", "expected 1e-06..50")],
     "sdd": [("rate foo", "ioa_sdd_script rate foo expected a number from 1 to 4000"), ("rate 1e38", "rate 1e"),
             ("rate", "rate expected"), ("rate 0", "rate 0 expected"),
@@ -37,7 +37,7 @@ WRONG = {  # role: [(message, what the one line says)]; what a topic's fields ar
     "r_modal": [("latency 1e38", "ioa_r_modal latency 1e.* expected a number from 0 to 1000"),
                 ("latency foo", "latency foo"), ("latency -3", "latency -3"), ("ears 1e38", "ears 1e"),
                 ("ears foo", "ears foo"), ("fix foo", "fix foo expected 3"), ("fix 1e38 0 0", "fix 1e"),
-                ("fix 1", "fix 1 expected"), ("gain foo", "gain foo"), ("load nosuch.npz", "no such file")],
+                ("fix 1", "fix 1 expected"), ("gain foo", "gain foo"), ("load nosuch.npz", "file not found")],
 }
 
 

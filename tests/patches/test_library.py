@@ -80,7 +80,7 @@ def test_a_table_is_found_beside_the_patch_in_the_path_beside_the_object_and_in_
         shutil.copy(module, own)
     assert load(["modal_impact~", "bowl"], [own, parent]) == bowl
     assert load(["modal_impact~", "bowl"], [own], expect_errors=[
-        "load bowl: there is no such file beside the patch, in the search path or beside the object"]) == "none"
+        "load bowl: file not found beside the patch, in the search path or beside the object"]) == "none"
     other = tmp_path / "other"  # Pd's path comes before both
     other.mkdir()
     shutil.copy(parent / "tactus" / "glass.modal.npz", other / "bowl.modal.npz")
@@ -157,7 +157,7 @@ def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):
     (tmp_path / "bad.modal.npz").write_bytes(b"no table")
     patch = Patch()
     patch.at(1, patch.obj("modal_impact~", "bad"), "hit 0.1")
-    errors = ["load bad: .*", "there is no body yet: load one"]
+    errors = ["load bad: .*", "no body is loaded: send load NAME first"]
     assert len(patch.render(0.1, path=[tmp_path], expect_errors=errors).errors) == 2
 
 
@@ -169,7 +169,7 @@ def test_a_plate_that_moves_along_its_normal_alone_says_so_once(messages, name):
     for message in messages:
         patch.at(1, box, message)
     output = patch.render(0.05).output
-    assert output.count(f"{name}: no mode of this table moves along this direction") == output.count("no mode") == 1
+    assert output.count(f"{name}: no mode of this table moves the surface along this direction") == output.count("no mode") == 1
 
 
 def soft_clip(x):

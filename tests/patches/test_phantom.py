@@ -132,7 +132,7 @@ def test_an_emergency_stop_holds_for_the_next_phantom_of_that_name(name, first, 
     info = [atoms for _, atoms in result.logs["again"]]
     assert [atoms[1] for atoms in info if atoms[0] == "force"] == pytest.approx([2, force])
     assert not told or told in info
-    assert ("the estop of an earlier phantom holds for this one" in result.output) == (name != "" and len(first) == 1)
+    assert ("the estop of an earlier phantom of the same name or device is still active" in result.output) == (name != "" and len(first) == 1)
 
 
 # ---- the simulated hand ------------------------------------------------------------------------

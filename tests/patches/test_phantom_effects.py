@@ -27,7 +27,7 @@ def test_dump_tells_the_effects_that_are_on_and_a_stiff_one_is_said(tmp_path):
     answer = still(tmp_path, "0 0 0", "effect inertia 0.2, effect texture 0.5 2 0 0 3, effect viscous 1",
                    "effect viscous off, dump, effect spring 3000 0 0 0")
     assert answer.told("effect") == [["inertia", pytest.approx(0.2), 300, 1], ["texture", 0.5, 2, 0, 0, 1]]
-    assert "effect spring has 3000 N/m, above the 1000 N/m that this device holds" in answer.result.output
+    assert "effect spring has 3000 N/m, above the 1000 N/m up to which this device" in answer.result.output
 
 
 @pytest.mark.parametrize("effect, newton", [("viscous 5", -0.5), ("friction 0.7 1000", -0.7)])

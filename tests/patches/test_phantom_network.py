@@ -81,7 +81,7 @@ def test_stiff_springs_raise_the_rate_and_say_so(tmp_path):
 def test_a_network_that_another_servo_rate_cannot_step_rests_and_says_so(tmp_path):
     answer = play(tmp_path, [(0, "network anchor a 0 0 0, network mass m 1e-6 10 0 0, network touch 0 0 0"),
                              (5, "network link a m 1e6"), (50, "rate 200")], "-rate 4000",
-                  errors=["network: not stepped: at 200 ticks a second mass m"])
+                  errors=["network: stopped: at 200 ticks a second, mass m"])
     assert len(answer.errors) == 1
 
 

@@ -70,8 +70,8 @@ def test_a_scene_holds_64_bodies_and_8_meshes(tmp_path):
     (tmp_path / "leaf.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n")
     messages = [(10 + i / 10, f"scene add s{i} sphere {i} 80 0 1") for i in range(65)]
     messages += [(30 + i / 10, f"scene add m{i} mesh leaf.obj") for i in range(9)]
-    answer = play(tmp_path, messages, errors=["scene add: the scene has 64 bodies already, the most",
-                                              "scene add: the scene has 8 meshes already, the most"])
+    answer = play(tmp_path, messages, errors=["scene add: 65 bodies: expected at most 64",
+                                              "scene add: 9 meshes: expected at most 8"])
     assert len(answer.errors) == 2
 
 

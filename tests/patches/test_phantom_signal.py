@@ -161,7 +161,7 @@ def test_the_two_find_each_other_and_part_in_either_order():
     outside = patch.obj("phantom~", "late")
     patch.log("status", outside[3])
     patch.record("x", outside[0])
-    result = patch.render(2.2, expect_errors=["another phantom~ has this device"])
+    result = patch.render(2.2, expect_errors=["another phantom~ already uses this phantom"])
     assert [atoms[:2] for _, atoms in result.logs["status"]] == [["status", word] for word in 2 * ("attached", "waiting")]
 
 
@@ -181,11 +181,11 @@ def test_a_second_listener_is_refused_and_a_name_that_no_phantom_has_is_told_onc
     patch.obj("phantom", "-name", "hand")
     for name in ("hnad", "hand", "hand"):
         patch.obj("phantom~", name)
-    result = patch.render(5, expect_errors=["phantom~: name hand: another phantom~ has this"])
+    result = patch.render(5, expect_errors=["phantom~: name hand: another phantom~ already uses this"])
     assert len(result.errors) == 1
     # Without a window Pd writes the level in front; above 2 its window would hide the line.
-    told = re.findall(r"^(?:verbose\(2\): )?phantom~: name hnad: still waiting for a phantom", result.output, re.M)
-    assert len(told) == 1 and result.output.count("waiting") == 1
+    told = re.findall(r"^(?:verbose\(2\): )?phantom~: name hnad: no phantom of this name", result.output, re.M)
+    assert len(told) == 1 and result.output.count("found yet") == 1
 
 
 def test_the_clock_steps_again_when_the_sound_is_off():

@@ -225,7 +225,7 @@ def test_a_map_is_drawn_looked_up_and_found_again(tmp_path):
     patch.at(4, box, f"read {tmp_path}/no.txt")
     patch.at(5, box, f"read {kept}")
     patch.at(10, box, "compute")
-    assert (cells(patch.render(0.5, expect_errors=["holds no playability maps"])) == grid).all()
+    assert (cells(patch.render(0.5, expect_errors=["is not a file of playability maps"])) == grid).all()
 
 
 def test_a_map_by_theory_has_the_sign_of_what_sounds():

@@ -18,20 +18,20 @@ REFUSED = {
         step middle: expected left or right
         scuff middle: expected left or right
         calibrate toe 1 2: expected heel or ball
-        calibrate heel 0 0 1 1: expected 5 to 32 points
+        calibrate heel 0 0 1 1: expected 5 to 32 ascending pairs
         equalise 100: expected up to 16 pairs
-        turn 0: expected 1 to 180 degrees
-        turn round: expected 1 to 180 degrees
-        jump 2: expected a height of 0.01 to 1 m
-        jump left: expected a height of 0.01 to 1 m
-        drag left 0 1: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s
-        drag 1 9: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s
-        drag 1 1 left: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s
+        turn 0: expected 1..180 degrees
+        turn round: expected 1..180 degrees
+        jump 2: expected a height in 0.01..1 m
+        jump left: expected a height in 0.01..1 m
+        drag left 0 1: expected left or right, then 0.01..20 m and 0.02..5 m/s
+        drag 1 9: expected left or right, then 0.01..20 m and 0.02..5 m/s
+        drag 1 1 left: expected left or right, then 0.01..20 m and 0.02..5 m/s
         surface wood sand 2: expected a mix in 0..1
-        surface 3: expected one name or two
-        surface left: expected one name or two
-        surface wood sand 0 1: expected one name or two
-        surface nowhere: no file, and none of carpet concrete"""),
+        surface 3: expected one or two names
+        surface left: expected one or two names
+        surface wood sand 0 1: expected one or two names
+        surface nowhere: file not found beside the patch or in the search path; or use carpet concrete"""),
     "particle~ ice": ("", """
         preset moon: expected maraca
         preset 3: expected maraca
@@ -64,76 +64,76 @@ REFUSED = {
         preset kazoo: expected clarinet
         os 2.5: expected 0, 1, 2 or 4"""),
     "phantom sim -hand rigid": ("", """
-        backend sim 3 => backend sim: takes no arguments
+        backend sim 3 => backend sim: expected no arguments
         hand soft: expected free, rigid, spring or person
         hand spring 1 => hand spring: 1 number: expected none, or K (N/m) and B (N s/m)
         hand spring -1 2 => hand: K -1 N/m: expected 0..20000 N/m
         hand rigid 3 => hand rigid: 1 number: expected none
-        path nix.txt: no such file; or use line, circle, lissajous or array
-        path line 1 2 => path line: z1 is missing: expected -10000..10000 mm
+        path nix.txt: file not found beside the patch or in the search path; or use line, circle, lissajous or array
+        path line 1 2 => path line: z1 needs a value: expected -10000..10000 mm
         path array a b c => path array: no array named a
         path circle 0 0 0 10 1000 xw => path circle: plane xw: expected xy, yz or xz
         target 1 2 99999 => target: z 99999 mm: expected -10000..10000 mm
         watchdog 0 1 => watchdog: hold 0 ms: expected 1..10000 ms
-        map xxy: expected the letters xyz in some order and three signs 1 or -1
-        map xyz 1 2 1: expected the letters xyz in some order and three signs 1 or -1
+        map xxy: expected the letters x, y and z in any order, then three signs 1 or -1
+        map xyz 1 2 1: expected the letters x, y and z in any order, then three signs 1 or -1
         interp 2000: expected auto, off or 0.25..1000 ms
-        workspace 5 0 0 1 1 1: expected no minimum above its maximum, xmin ymin zmin xmax ymax zmax in mm
+        workspace 5 0 0 1 1 1: expected xmin ymin zmin xmax ymax zmax in mm, no minimum above its maximum
         workspace 1 2: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm
         report x 1 => report x: expected mm, vel, force, button, status, jitter, error, hit, contact, release, rot, torque or
         list 1 2 => list: expected 3 arguments (fx fy fz), got 2
         list 1 two 3 => list two: expected three numbers, fx fy fz
-        open falcon: expected nothing or 0, since sim is one device; backend chooses another
+        open falcon: expected nothing or 0, the only simulated device; choose another driver with backend
         button 40 1 => button: number 40: expected 0..31
         clock sundial: expected auto, logical or wall
         stats now: expected reset
-        trace /nowhere/x.csv: cannot be written, No such file or directory
-        firmware f.bin => firmware: only a real device has one; choose it first with backend evdev, falcon, dhd, haply
+        trace /nowhere/x.csv: cannot be written: No such file or directory
+        firmware f.bin => firmware: only for a real device; first choose one with backend evdev, falcon, dhd, haply
         sedd 3 => no message 'sedd'; did you mean 'seed'?
         scene paint 1 => scene paint: expected add, mat, move, del, tool, k or load
         scene add 1 => scene add: expected a name and a shape
         scene add 1 cube 1 1 1 => scene add: cube: expected plane, sphere, box, disk or mesh
-        scene add 1 sphere 0 0 0 => scene add: sphere: radius is missing: expected 0.01..10000 mm
+        scene add 1 sphere 0 0 0 => scene add: sphere: radius needs a value: expected 0.01..10000 mm
         scene add 1 sphere 0 0 0 -3 => scene add: sphere: radius -3 mm: expected 0.01..10000 mm
-        scene add 1 plane 0 0 0 1 => scene add: plane: the normal nx ny nz has no direction
-        scene add 1 mesh nix.obj => scene add: mesh: nix.obj: no such file
-        scene add b box 0 0 0 1 1 1 0 0 0 0 => scene add: box: the quaternion qw qx qy qz is 0 0 0 0: expected one that
+        scene add 1 plane 0 0 0 1 => scene add: plane: the normal nx ny nz is zero
+        scene add 1 mesh nix.obj => scene add: mesh: nix.obj: file not found
+        scene add b box 0 0 0 1 1 1 0 0 0 0 => scene add: box: the quaternion qw qx qy qz is 0 0 0 0: expected a rotation
         scene mat 3 500 => scene mat: 3: no such body
         scene move 3 0 0 0 => scene move: 3: no such body
         scene del 3 => scene del: 3: no such body
         scene tool -1 => scene tool: radius -1 mm: expected 0..50 mm
         scene tool wide => scene tool: radius wide: expected 0..50 mm
-        scene tool 0.001 => scene tool: radius 0.001 mm: expected 0, which is a point, or 0.01..50 mm
+        scene tool 0.001 => scene tool: radius 0.001 mm: expected 0 (a point) or 0.01..50 mm
         scene k -1 => scene k: k -1 N/m: expected 0..100000 N/m
-        scene load nix.txt => scene load: nix.txt: no such file
+        scene load nix.txt => scene load: nix.txt: file not found
         effect glue 1 => effect glue: expected constant, spring, viscous, inertia, friction, texture, relief or off
-        effect spring 100 => effect spring: x is missing: expected -10000..10000 mm
+        effect spring 100 => effect spring: x needs a value: expected -10000..10000 mm
         effect spring -1 0 0 0 => effect spring: k -1 N/m: expected 0..5000 N/m
         effect spring soft 0 0 0 => effect spring: k soft: expected 0..5000 N/m
         effect viscous 1e9 => effect viscous: b 1e+09 N s/m: expected 0..50 N s/m
-        effect viscous 1 2 => effect viscous: takes 1 number at most
+        effect viscous 1 2 => effect viscous: expected at most 1 number
         effect inertia 0 => effect inertia: mass 0 kg: expected 0.001..20 kg
-        effect texture 1 2 0 0 0 => effect texture: direction 0 0 0: expected one that is not zero
+        effect texture 1 2 0 0 0 => effect texture: direction 0 0 0: expected a nonzero vector
         effect texture 1 2 1 => effect texture: expected amplitude and wavelength
         effect relief 1 2 => effect relief: depth 1 mm: expected at most a quarter of the wavelength, 0.5 mm"""),
     "phantom": ("network string s 19 -50 0 0 50 0 0 0.001 10 0.0005", """
         network: expected
         network fly: expected mass, anchor
-        network mass m => network mass: mass is missing: expected 1e-07..10 kg
+        network mass m => network mass: mass needs a value: expected 1e-07..10 kg
         network mass m -1 0 0 0 => network mass: mass -1 kg: expected 1e-07..10 kg
         network mass m 1 0 0 2000 => network mass: z 2000 mm: expected -1000..1000 mm
         network anchor q => network anchor: q: no such mass
         network link s-1 q 3 => network link: q: no such mass
-        network link s-1 s-1 3 => network link: s-1: a mass is not linked to itself
+        network link s-1 s-1 3 => network link: s-1: expected two different masses
         network link s-1 s-2 3 0 0 twist => network link: twist: expected pull or push
         network link s-1 s-2 1e9 => network link: k 1e+09 N/m: expected 0..1000000 N/m
         network string t 0 0 0 0 1 1 1 => network string: n 0: expected 1..200
         network string t 5 0 0 0 0 0 0 => network string: the ends are 0 mm apart
         network string t 5 0 0 0 50 0 0 0.001 10 0 100 => network string: stiffness 100 N/m: expected 0 or at
-        network string t 190 0 0 0 50 0 0 => network string: 209 masses that move: expected at most 200
+        network string t 190 0 0 0 50 0 0 => network string: 209 movable masses: expected at most 200
         network membrane t 5 5 0 0 0 50 50 50 => network membrane: expected two corners
         network membrane t 20 20 0 0 0 50 50 0 => network membrane: 400 masses: expected at most 200
-        network load nowhere.txt => network load: nowhere.txt: no such file
+        network load nowhere.txt => network load: nowhere.txt: file not found
         network del q => network del: q: no such mass, string or membrane
         network listen s-3 w => network listen: axis w: expected x, y or z
         network listen s-3 z 3 => network listen: outlet 3: expected 1..2
@@ -145,19 +145,19 @@ REFUSED = {
         network rate 1 => network rate: rate 1 Hz: expected 1000..200000 Hz
         network drag -1 => network drag: drag -1 1/s: expected 0..10000 1/s"""),
     "phantom haply": ("", """
-        driver rate 9: haply: rate 9 is not possible: expected 50 to 4000 Hz
-        driver rat 90: haply: rat is not understood; there are: device INDEX or ID"""),
+        driver rate 9: haply: rate 9: expected 50..4000 Hz
+        driver rat 90: haply: setting rat: expected device INDEX or ID"""),
     "phantom net": ("", """
-        driver rat 90: net: rat is not understood; there are: host HOST PORT
-        driver device 5: net: there is no device 5: expected 0, HOST or HOST:PORT
-        driver host here y: net: the port y is no whole number from 1 to 65535"""),
+        driver rat 90: net: setting rat: expected host HOST PORT
+        driver device 5: net: device 5: expected 0, HOST or HOST:PORT
+        driver host here y: net: port y: expected 1..65535"""),
     "modal_impact~ plate -sync 1": ("", """
         hit 30 40 0 -1 => hit: v -1 m/s: expected 1e-06..50
         hit 30 40 0 nan: expected numbers
         hit 1 2 => hit: expected v, or x y z v
         hitv 99999 1 => hitv: vertex 99999: expected 0..
         hitf 0 0.7 0.7 1 => hitf: v 0.7: expected 0..0.3
-        load nowhere.npz: there is no such file
+        load nowhere.npz: file not found
         preset jelly: expected aluminium
         listener 5 0 0 0 => listener: i 5: expected 1..4
         losscurve 100 0.1 50 0.1 => losscurve: f 50
@@ -173,9 +173,9 @@ REFUSED = {
         friction 11 => friction: static 11: expected 0.001..10
         friction 1 1 1 2 => friction: breakaway 2: expected 0.01..0.99
         friction a: expected numbers
-        board nowhere.npz: there is no such file
-        board 3: expected a file's name
-        board plate 1 2: expected a file's name
+        board nowhere.npz: file not found
+        board 3: expected the name of a file
+        board plate 1 2: expected the name of a file
         listener 1 2 3 4 5 => listener: expected i x y z, or
         rest 1 2 => rest: 2 numbers: expected x y z for each point
         shape 1 => shape: 1 numbers: expected
@@ -184,15 +184,15 @@ REFUSED = {
     "stress_haptic beam": ("", """
         load /etc/passwd: not an .npz file
         load 5: expected the name of a file
-        load missing.stress.npz: there is no such file
+        load missing.stress.npz: file not found
         cp 99 0 0 0 => cp: control point 99: expected 0..
         cp 0.5 0 0 0 => cp: control point 0.5: expected 0..
         cp 0 left 0 0 => cp: 'left': expected numbers
-        cp 0 1e30 0 0 => cp: '1e+30': expected numbers within
+        cp 0 1e30 0 0 => cp: '1e+30': expected numbers in
         list 1 2 => list: 2 numbers: expected
         list a b c => list: 'a': expected numbers
         grab 77 => grab: control point 77: expected 0..
-        grab 0 5 => grab: 5: expected 1 to take the control point or 0
+        grab 0 5 => grab: 5: expected 1 to grab the control point or 0
         range wide: expected current, initial, or fixed a b
         range fixed 2 1: expected current, initial, or fixed a b
         range initial 3: expected
@@ -200,11 +200,11 @@ REFUSED = {
         anchor up: expected here, or x y z
         anchor a b c => anchor: 'a': expected numbers
         solver 5: expected the path of part_stress
-        solver /etc/passwd: there is no such program
+        solver /etc/passwd: no executable file found
         draw 3: expected nothing or all"""),
     "playability_map trumpet": ("", """
-        read nowhere.txt => read: cannot find nowhere.txt
-        draw: no map yet"""),
+        read nowhere.txt: file not found
+        draw: no map is computed"""),
 }
 
 
@@ -276,4 +276,4 @@ def test_a_path_longer_than_memory_is_refused_by_its_size(tmp_path):
         sparse.truncate(1 << 40)
     patch = Patch()
     patch.at(10, patch.obj("phantom", "sim"), f"path {tmp_path / 'long.txt'}")
-    assert "1099511627776 bytes: expected 268435456 at most" in patch.render(0.1, expect_errors=["phantom"]).errors[0]
+    assert "1099511627776 bytes: expected at most 268435456" in patch.render(0.1, expect_errors=["phantom"]).errors[0]

@@ -107,7 +107,7 @@ def test_the_board_is_struck_too_and_shakes_the_bar(tmp_path):
     assert not numpy.any(struck(tmp_path, [LYING[0], MALLET, *on_the_bar], .4, hit)["left"])
 
 
-@pytest.mark.parametrize("message, words", [("board body.npz", "nothing holds the body of this table"),
+@pytest.mark.parametrize("message, words", [("board body.npz", "the body of this table has no supports"),
                                             ("rest 100 0 -6 140 0 -6", "the body tips over")])
 def test_a_bar_that_cannot_rest_so_rests_as_it_did(tmp_path, message, words):
     good, refused = (struck(tmp_path, LYING + more, .3, errors=[words] if more else [])["left"] for more in ([], [message]))

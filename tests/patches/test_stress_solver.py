@@ -112,9 +112,9 @@ def test_a_solver_of_another_table_is_one_sentence(beam, tmp_path):
     del meta["command"]
     other = tmp_path / "other.stress.npz"
     for changes, resolve, sentence in [  # mesh and words of one part, stresses of another
-            ({"s0": arrays["s0"] * 1.01}, "auto", "another stress at the table's own shape"),
-            ({"meta": numpy.frombuffer(json.dumps(meta).encode(), numpy.uint8)}, "auto", "does not say how it was made"),
-            ({"mesh": None}, "full", "resolve full: no solver for a table without its mesh"),
+            ({"s0": arrays["s0"] * 1.01}, "auto", "stress at the table's own shape differs"),
+            ({"meta": numpy.frombuffer(json.dumps(meta).encode(), numpy.uint8)}, "auto", "does not state the command that made it"),
+            ({"mesh": None}, "full", "resolve full: the table has no mesh to solve"),
             ({"mesh": None}, "auto", None)]:
         numpy.savez(other, **{k: v for k, v in {**arrays, **changes}.items() if v is not None})
         result = render(other, resolve, fails=[sentence] if sentence else [])

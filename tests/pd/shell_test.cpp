@@ -155,7 +155,7 @@ TEST_CASE("a failure in any call of Pd is one sentence, and the object goes on")
   const std::pair<std::string, std::string> reasons[] = {{"memory", "not enough memory"},
                                                          {"size", "not enough memory"},
                                                          {"range", "a reason"},
-                                                         {"int", "failed without a reason"}};
+                                                         {"int", "unknown error"}};
   for (const auto& one : calls)
     for (const auto& [how, reason] : reasons) {
       const auto& [member, call] = one;
@@ -239,7 +239,7 @@ TEST_CASE("a list is a number for each inlet, signals and control, or one senten
   CHECK(box.run({}, 64)[0][63] == 2);
   heard();
   const std::pair<MessageAtoms, const char*> refused[] = {
-      {{5, "word"}, "list: 'word' is no number: expected one for each inlet: a, b, number, list"},
+      {{5, "word"}, "list: 'word': not a number: expected one for each inlet: a, b, number, list"},
       {{5, 6, 7, 8, 9},
        "list: 5 numbers: expected at most 4, one for each inlet: a, b, number, list"}};
   for (const auto& [wrong, sentence] : refused) {
@@ -266,9 +266,9 @@ TEST_CASE("get answers with the lines of dump that begin with the name, and with
   const auto [said, sent] = heard();
   CHECK(sent.empty());
   REQUIRE(said.size() == 4);
-  CHECK(said[0] == "probe~: get gian: nothing of that name; did you mean 'gain'?");
-  CHECK(said[1] == "probe~: get echo: a message without a value; 'dump' shows all that have one");
-  CHECK(said[2] == "probe~: get blocked: nothing of that name; 'dump' shows all that have a value");
+  CHECK(said[0] == "probe~: get gian: unknown name; did you mean 'gain'?");
+  CHECK(said[1] == "probe~: get echo: a message has no value; 'dump' lists all values");
+  CHECK(said[2] == "probe~: get blocked: unknown name; 'dump' lists all values");
 }
 
 TEST_CASE("every channel of a newer Pd's signal is heard") {

@@ -17,7 +17,7 @@ void reject_unreachable(const Caps& caps, State& state, Vec3& last_good) noexcep
 }
 
 std::string Backend::configure(std::span<const std::string> words) {
-  return words.empty() ? "a setting has a name" : words[0] + " is not a setting of this device";
+  return words.empty() ? "the setting needs a name" : words[0] + ": unknown setting of this device";
 }
 
 } // namespace tactus::haptic

@@ -58,8 +58,8 @@ void BodyModel::find_resting_contacts() {
   const RestEquilibrium equilibrium(rigid, load,
                                     settings.rest.pressing_n / static_cast<double>(count));
   if (!equilibrium.balanced) {
-    resting_refusal = "the body tips over: expected its centre of mass between the points, or what "
-                      "presses it on (rest_force)";
+    resting_refusal = "the body tips over: expected its centre of mass between the points, or a "
+                      "pressing force (rest_force)";
     return;
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -67,8 +67,8 @@ void BodyModel::find_resting_contacts() {
     rest.preload_n = equilibrium.force_n[i];
     constexpr double kMaxIndentation = 1; // m
     if (const double depth = rest.law.penetration(rest.preload_n); !(depth < kMaxIndentation)) {
-      resting_refusal = "a point that carries " + std::to_string(rest.preload_n) +
-                        " N gives way by more than a metre: expected a larger rest_stiffness";
+      resting_refusal = "the layer at a point that carries " + std::to_string(rest.preload_n) +
+                        " N is compressed by more than 1 m: expected a larger rest_stiffness";
       return;
     }
   }

@@ -70,14 +70,14 @@ void LoadedTable::order_shapes() {
 
 std::string LoadedTable::refusal(const LoadedTable& body, const LoadedTable& board) {
   if (board.shape.empty())
-    return "the table has no shapes: expected one with phi, xyz and tri";
+    return "the table has no mode shapes: expected one with phi, xyz and tri";
   if (body.shape.empty())
-    return "the body's own table has no shapes: expected one with phi, xyz and tri";
+    return "the body's own table has no mode shapes: expected one with phi, xyz and tri";
   if (board.table.free)
-    return "nothing holds the body of this table (bc \"" + board.table.boundary +
-           "\"): expected a board with supports, its modes worked out with them";
+    return "the body of this table has no supports (bc \"" + board.table.boundary +
+           "\"): expected the modes of a supported board";
   if (const std::size_t modes = body.table.modes() + board.table.modes(); modes > kMaxModes)
-    return std::to_string(modes) + " modes with the body's: expected at most " +
+    return std::to_string(modes) + " modes of body and board: expected at most " +
            std::to_string(kMaxModes);
   return {};
 }

@@ -16,7 +16,7 @@ std::string share_refusal(std::span<const ModeShare> shares, std::size_t before,
   std::vector<double> before_sums(before, 0), now_sums(now, 0);
   for (const ModeShare& s : shares) {
     if (s.before >= before || s.now >= now || !(std::abs(s.share) <= 1 + kRounding))
-      return "the share of mode " + std::to_string(s.before) + " in mode " + std::to_string(s.now) +
+      return "share of mode " + std::to_string(s.before) + " in mode " + std::to_string(s.now) +
              " is " + number_text(s.share) + ": expected -1..1 for modes below " +
              std::to_string(before) + " and " + std::to_string(now);
     before_sums[s.before] += s.share * s.share;
@@ -102,13 +102,13 @@ std::uint64_t max_answer_bytes(const ModalTable& before) noexcept {
 std::string complete_resolved_modes(const ModalTable& before, ResolvedModes& resolved) {
   const ModalTable& now = resolved.table;
   if (now.vertices() != before.vertices() || now.triangle.size() != before.triangle.size())
-    return "another surface is answered, of " + std::to_string(now.vertices()) + " vertices and " +
+    return "the answer's surface has " + std::to_string(now.vertices()) + " vertices and " +
            std::to_string(now.triangle.size()) + " triangles: expected the table's " +
            std::to_string(before.vertices()) + " and " + std::to_string(before.triangle.size());
   if (!same_parameters(now.sensitivity.shape, before.sensitivity.shape) ||
       now.sensitivity.solved_at_m.size() != before.sensitivity.parameters())
-    return "other shape parameters are answered: expected the table's " +
-           std::to_string(before.sensitivity.parameters()) + ", and their displacement";
+    return "the answer has other shape parameters: expected the table's " +
+           std::to_string(before.sensitivity.parameters()) + " and their displacements";
   if (std::string refusal = share_refusal(resolved.share, before.modes(), now.modes());
       !refusal.empty())
     return refusal;

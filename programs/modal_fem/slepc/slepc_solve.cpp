@@ -251,7 +251,7 @@ PetscErrorCode run(char** words) {
   }
   if (missing != 0)
     return fail("SLEPc's modes are not the lowest " + std::to_string(count) + ": " +
-                std::to_string(missing) + " are missing by the matrix's inertia");
+                std::to_string(missing) + " are missing according to the matrix's inertia");
 
   report_progress(0, "writing the modes");
   PetscCall(write(pairs, words[3], words[4]));

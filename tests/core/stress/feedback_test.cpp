@@ -1,7 +1,7 @@
 // Feedback scalars against their equations, and the fast kernel against the plain sum.
 #include "core/stress/feedback.hpp"
-#include "core/stress/linear_glide.hpp"
 #include "core/stress/stress_model.hpp"
+#include "core/stress/vector_ramp.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/stress/tables.hpp"
 
@@ -272,7 +272,7 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
 
 TEST_CASE("feedback is interpolated over the time between two values; a fade keeps its time "
           "although targets that come meanwhile are closer together") {
-  LinearGlide glide;
+  VectorRamp glide;
   glide.go({1, 0, 0}, 10);
   CHECK(glide.at(10.05).x == 1); // the first is due at once, after 50 ms at most
   glide.go({3, 0, 0}, 10.02 + 0.05);
@@ -290,7 +290,7 @@ TEST_CASE("feedback is interpolated over the time between two values; a fade kee
   CHECK(glide.at(25.08).x == approx((before + 0.2) / 2).epsilon(1e-9));
   CHECK(glide.at(25.1).x == approx(0.2));
   CHECK(!glide.moving());
-  LinearGlide unseen; // nobody asked for its value meanwhile
+  VectorRamp unseen; // nobody asked for its value meanwhile
   unseen.fade({1, 0, 0}, 1, 0.1);
   unseen.go({0.5, 0, 0}, 1.05);
   CHECK(unseen.at(1.05).x == approx(0.5));

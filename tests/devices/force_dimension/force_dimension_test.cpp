@@ -117,7 +117,7 @@ TEST_CASE("an uncalibrated device refuses a force until it has been calibrated; 
 TEST_CASE("a library that is missing, incomplete, loaded twice or without a device is told") {
   is_told_of_its_library<Fake>("forcedimension.com", FAKE_DHD_INCOMPLETE, "dhdSetForce");
   is_loaded_and_opened_once<Fake>("1234", "FAKE_DHD_LOADS");
-  opens_in_vain<Fake>("none", "device 0 does not open (no device found; 0 there)");
+  opens_in_vain<Fake>("none", "device 0 cannot be opened (no device found; 0 connected)");
   CHECK(devices::find_driver("dhd")->list().empty());
 }
 

@@ -171,15 +171,15 @@ TEST_CASE(
   REQUIRE(device->open() == "");
   CHECK(devices::find_driver("dhd")->list().at(0).index == 0);
   REQUIRE(set(*device, {"device", "64"}) == ""); // no such serial number
-  CHECK(device->open().find("device 64 does not open") != std::string::npos);
+  CHECK(device->open().find("device 64 cannot be opened") != std::string::npos);
   for (const std::vector<std::string>& words : {std::vector<std::string>{"device"},
                                                 {"device", "-1"},
                                                 {"device", "1x"},
                                                 {"device", ""},
                                                 {"device", "1", "2"}})
-    CHECK(set(*device, words).find("device takes a number") != std::string::npos);
-  CHECK(set(*device, {}).find("dhd: nothing is not a setting") == 0);
-  CHECK(set(*device, {"speed", "3"}).find("dhd: speed is not a setting") == 0);
-  CHECK(set(*device, {"home", "now"}).find("dhd: home is not a setting") == 0);
+    CHECK(set(*device, words).find("device: expected an index") != std::string::npos);
+  CHECK(set(*device, {}).find("dhd: setting nothing: expected") == 0);
+  CHECK(set(*device, {"speed", "3"}).find("dhd: setting speed: expected") == 0);
+  CHECK(set(*device, {"home", "now"}).find("dhd: setting home: expected") == 0);
   CHECK(set(*device, {"calibrate"}) == "");
 }

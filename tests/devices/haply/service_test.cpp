@@ -109,7 +109,7 @@ TEST_CASE("messages without JSON are borne up to fifty in a row, answers up to 6
   }
   mock.tell("garbage 100000");
   CHECK(drive_until(*device, {}, [&](bool, const State&) {
-    return device->trouble().find("no JSON") != std::string::npos;
+    return device->trouble().find("stopped sending JSON") != std::string::npos;
   }));
 }
 
@@ -145,7 +145,8 @@ TEST_CASE("one of two devices is chosen by its number or id, and a small one has
   for (const char* which : {"2", "-1", "1x", "04ba"}) {
     const auto device = make();
     REQUIRE(set(*device, {"device", which}) == "");
-    CHECK(device->open().find(std::string("no device ") + which + "; the first it has is 049D") !=
+    CHECK(device->open().find(std::string("device ") + which +
+                              ": not found by Haply's service; its first device is 049D") !=
           std::string::npos);
   }
   CHECK(mock.report().wrong == 0);
@@ -192,16 +193,15 @@ TEST_CASE("each setting is taken within its range and refused beyond, with what 
   };
   for (const char* value : {"50", "4000"})
     CHECK(set(*device, {"rate", value}) == "");
-  refused("rate", {"49.9", "4001", "nan", "1k"}, "expected 50 to 4000 Hz");
+  refused("rate", {"49.9", "4001", "nan", "1k"}, "expected 50..4000 Hz");
   for (const char* value : {"0.1", "20"})
     CHECK(set(*device, {"peak", value}) == "");
-  refused("peak", {"0.09", "20.1"}, "expected 0.1 to 20 N");
+  refused("peak", {"0.09", "20.1"}, "expected 0.1..20 N");
   for (const char* port : {"1", "65535"})
     CHECK(set(*device, {"service", "here", port}) == "");
   for (const char* port : {"0", "65536", "99.5", "x"})
-    CHECK(set(*device, {"service", "here", port}).find("no whole number from 1 to 65535") !=
-          std::string::npos);
-  CHECK(set(*device, {}).find("haply: nothing is not understood") == 0);
+    CHECK(set(*device, {"service", "here", port}).find("expected 1..65535") != std::string::npos);
+  CHECK(set(*device, {}).find("haply: setting nothing: expected") == 0);
   CHECK(set(*device, {"device", "0", "1"}) != "");
 }
 

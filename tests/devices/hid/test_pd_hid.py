@@ -22,7 +22,7 @@ def opened(folder, *messages):
 def test_settings_of_the_driver_reach_it_and_its_refusals_are_printed(tmp_path):
     (tmp_path / "axes.txt").write_text("x -X\n")
     with opened(tmp_path, "driver table axes.txt", "driver deadzone 99") as live:
-        live.wait_for("deadzone 99 is not possible: expected 0 to 90 % of full deflection")
+        live.wait_for("deadzone 99: expected 0..90 % of full deflection")
         live.tell_double("report 01 5e01 0000 0000")
         live.wait_for("^x: 0$")
         live.tell_double("report 03 0100")

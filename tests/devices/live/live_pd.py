@@ -139,7 +139,7 @@ class Live(Pd):
     def errors_without_stalls(self):
         """Pd's errors, but for the one about a double that a stalling machine kept from answering."""
         errors = re.findall(r"^error: (.*)$", self.read(), re.M)
-        return [error for error in errors if "the device does not answer any more" not in error]
+        return [error for error in errors if "the device no longer answers" not in error]
 
     def end(self):
         """What the double saw last, after Pd was told to quit."""

@@ -99,7 +99,7 @@ def test_leaving_a_device_that_hangs_takes_no_time_and_is_told(tmp_path, driver,
         time.sleep(0.1)
         live.tell_phantom(message)
         live.wait_for(rf"^info: status (closed|lost) {driver}")
-        live.wait_for(r"^error: .*closing the device has not returned for 1 s; its thread is left")
+        live.wait_for(r"^error: .*closing the device has not returned for 1 s; its thread is abandoned")
         if message == "backend sim":  # the object goes on
             live.wait_for(r"^info: status open sim")
             seen = len(live.positions())

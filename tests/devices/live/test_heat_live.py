@@ -35,7 +35,7 @@ def test_warm_motors_lower_the_limit_are_told_once_and_cool_by_no_other_object(t
         def warm():
             """A stall of the machine looks like a failed device: then the motors are asked for again."""
             live.tell_phantom("list 3.4 0 0")
-            if "motors are off until motors 1" in live.read():
+            if "motors stay off until motors 1" in live.read():
                 live.tell_phantom("motors 1")
             return "status warm 1" in live.read()
         live.wait_until(warm)

@@ -101,6 +101,6 @@ def test_an_estop_outlives_its_object_also_while_the_device_is_away(tmp_path):
         live.tell_phantom("clear bang")
         live.tell_double("plug")
         live.wait_until(lambda: live.tell_phantom("open") or "\ninfo: status open falcon" in live.read())
-        live.wait_for(r"the estop of an earlier phantom holds for this one")
+        live.wait_for(r"the estop of an earlier phantom of the same name or device is still active")
         assert no_force(live)
         force_comes(live)

@@ -111,8 +111,8 @@ def test_a_device_is_refused_in_batch_unless_the_wall_clock_is_asked_for(tmp_pat
                           capture_output=True, text=True, timeout=60, check=False)
     errors = re.findall(r"^error: (.*)$", done.stderr, re.M)
     assert errors == [
-        "phantom: open: this is a render in batch, faster or slower than a real device; send clock "
-        "wall first to use it all the same",
-        "phantom: hand: only the simulated device has one, not falcon; send backend sim first",
+        "phantom: open: a batch render does not run in real time; send clock wall first to use a "
+        "real device all the same",
+        "phantom: hand: only for the simulated device, not for falcon; send backend sim first",
         "phantom: open: a real device cannot be stepped by the patch's time; send clock auto or "
         "clock wall first"]

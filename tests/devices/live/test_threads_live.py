@@ -35,7 +35,7 @@ def test_a_simulated_device_on_the_wall_s_clock(tmp_path):
         live.tell_phantom("clock wall")
         live.wait_for(r"^info: status closed sim")
         (error,) = errors(live)
-        assert "clock wall: the servo's thread does not start (Resource temporarily" in error
+        assert "clock wall: cannot start the servo's thread (Resource temporarily" in error
         world.again()
         live.tell_phantom("open")
         live.wait_for(r"^info: status sched")
@@ -61,7 +61,7 @@ def test_a_real_device_is_opened_and_listed_again_when_there_are_threads(tmp_pat
         live.tell_phantom("open")
         live.wait_for(rf"^info: status closed {driver}")
         live.tell_phantom("devices")
-        live.wait_for(r"^error: .*devices: the devices' thread does not start")
+        live.wait_for(r"^error: .*devices: cannot start the thread for devices")
         world.again()
         live.tell_phantom("open")
         live.wait_for(r"^info: status sched")
@@ -74,7 +74,7 @@ def test_a_real_device_is_opened_and_listed_again_when_there_are_threads(tmp_pat
             world.without()
             live.tell_phantom("open")
             live.wait_for(r"^info: status closed dhd", 3)
-            assert "the servo's thread does not start" in errors(live)[-1]
+            assert "cannot start the servo's thread" in errors(live)[-1]
             world.again()
 
 
@@ -91,6 +91,6 @@ def test_a_map_is_computed_in_the_host_s_time(tmp_path):
         live.wait_for_patch()
         world.without()
         live.tell_phantom("map compute")
-        live.wait_for(r"^error: playability_map: compute: no thread starts for the map")
+        live.wait_for(r"^error: playability_map: compute: cannot start a thread for the map")
         live.wait_for(r"^map: cells")
         live.wait_for(r"^map: cell ", 20)

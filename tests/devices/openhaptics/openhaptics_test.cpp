@@ -89,10 +89,10 @@ TEST_CASE(
   device->close();
   CHECK(set({"device", "0"}) == "");
   CHECK(device->open().find("names Default Device") != std::string::npos);
-  CHECK(set({"device"}).find("takes the name") != std::string::npos);
-  CHECK(set({}).find("openhaptics: nothing is not a setting") == 0);
-  CHECK(set({"speed", "3"}).find("openhaptics: speed is not a setting") == 0);
-  CHECK(set({"home", "now"}).find("openhaptics: home is not a setting") == 0);
+  CHECK(set({"device"}).find("expected the name") != std::string::npos);
+  CHECK(set({}).find("openhaptics: setting nothing: expected") == 0);
+  CHECK(set({"speed", "3"}).find("openhaptics: setting speed: expected") == 0);
+  CHECK(set({"home", "now"}).find("openhaptics: setting home: expected") == 0);
   CHECK(set({"calibrate"}) == "");
 }
 

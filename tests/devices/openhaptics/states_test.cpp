@@ -121,7 +121,7 @@ TEST_CASE("no force while the calibration needs the library or the hand, each wi
       return Vec3{1, 0, 0};
     });
     CHECK(sentences.insert(sentence).second);
-    CHECK(sentence.find(answer == 0x5001 ? "calibrates itself" : "inkwell") != std::string::npos);
+    CHECK(sentence.find(answer == 0x5001 ? "calibrating itself" : "inkwell") != std::string::npos);
     CHECK(r.with(State::kHomed).count == 0);
     CHECK(fake.force() == Vec3{});
     CHECK(device->trouble() == ""); // halted
@@ -292,7 +292,7 @@ TEST_CASE("a name that is given and not there is no other device") {
   const std::vector<std::string> name{"device", "Left", "Device"};
   REQUIRE(device->configure(name) == "");
   const std::string sentence = device->open();
-  CHECK(sentence.find("under the name Left Device:") != std::string::npos);
+  CHECK(sentence.find("of the name Left Device:") != std::string::npos);
   CHECK(fake.more().openings == 3);
 }
 

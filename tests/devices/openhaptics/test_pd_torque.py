@@ -34,4 +34,4 @@ def test_torque_is_refused_until_it_is_on_then_felt_and_gone_when_it_is_off(tmp_
 def test_a_device_without_such_motors_says_so(tmp_path):
     with opened(tmp_path, "") as live:
         live.tell_phantom("torques 1")
-        live.wait_for(r"phantom: torques: this device has motors neither for torque nor")
+        live.wait_for(r"phantom: torques: this device has no motors for torque or")

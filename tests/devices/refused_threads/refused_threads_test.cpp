@@ -47,7 +47,7 @@ std::string open_refused(const char* driver) {
 }
 
 bool tells(const std::string& sentence) {
-  return sentence.find("no thread can be started") != std::string::npos;
+  return sentence.find("cannot start a thread") != std::string::npos;
 }
 
 /// A job of one step.

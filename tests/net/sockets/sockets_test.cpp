@@ -296,13 +296,14 @@ TEST_CASE("settings that are not understood are refused with what there is") {
                                              {"device", "box", "7771", "udp", "1"},
                                              {"device", "box:7771", "udp", "0"}})
     CHECK(device.configure(good) == "");
-  CHECK(refusal({"device", "box", "7771", "udp", "2"}).find("udp 0 or udp 1") != std::string::npos);
+  CHECK(refusal({"device", "box", "7771", "udp", "2"}).find("expected 0 or 1") !=
+        std::string::npos);
   CHECK(refusal({"device", "box", "0", "udp", "1"}).find("port") != std::string::npos);
   CHECK(refusal({"device", "box:0"}).find("port") != std::string::npos);
   CHECK(refusal({"host", "box", "66000"}).find("port") != std::string::npos);
-  CHECK(refusal({"rte", "500"}).find("rte is not understood") != std::string::npos);
-  CHECK(refusal({"device", "5"}).find("no device 5") != std::string::npos);
-  CHECK(refusal({"rate", "5"}).find("50 to 4000") != std::string::npos);
+  CHECK(refusal({"rte", "500"}).find("setting rte: expected") != std::string::npos);
+  CHECK(refusal({"device", "5"}).find("device 5: expected") != std::string::npos);
+  CHECK(refusal({"rate", "5"}).find("50..4000") != std::string::npos);
   CHECK(refusal({"token", "/nowhere"}).find("token") != std::string::npos);
   CHECK(refusal({}).find("host HOST PORT") != std::string::npos);
 }

@@ -72,12 +72,12 @@ TEST_CASE("only a body that is held can be a board") {
   const LoadedTable held(board()), free(bar());
   CHECK(LoadedTable::refusal(free, held).empty());
   CHECK(LoadedTable::refusal(held, held).empty());
-  CHECK(LoadedTable::refusal(held, free).find("nothing holds") != std::string::npos);
+  CHECK(LoadedTable::refusal(held, free).find("no supports") != std::string::npos);
   ModalTable bare = board();
   bare.shape.clear();
   bare.vertex_m.clear();
   bare.triangle.clear();
-  CHECK(LoadedTable::refusal(free, LoadedTable(std::move(bare))).find("no shapes") !=
+  CHECK(LoadedTable::refusal(free, LoadedTable(std::move(bare))).find("no mode shapes") !=
         std::string::npos);
 }
 

@@ -39,9 +39,9 @@ TEST_CASE(
   static_cast<void>(rig.set({"firmware", "/nowhere/firmware.bin"}));
   CHECK(rig.falcon.open().find("/nowhere/firmware.bin cannot be read") != std::string::npos);
   CHECK(rig.open(0).find("0 bytes") != std::string::npos);
-  CHECK(rig.open(65537).find("has 65537 bytes; expected 1 to 65536") != std::string::npos);
+  CHECK(rig.open(65537).find("has 65537 bytes: expected 1..65536") != std::string::npos);
   rig.set({"device", "no such"});
-  CHECK(rig.open().find("no Falcon is called no such") != std::string::npos);
+  CHECK(rig.open().find("Falcon no such: not found") != std::string::npos);
 }
 
 TEST_CASE("firmware is uploaded in spite of deaf greetings and two wrong echoes, and not twice") {
@@ -88,7 +88,7 @@ TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with
   rig.control.ask("echo 1000");
   const std::string problem = rig.open(200);
   rig.control.ask("echo 0");
-  CHECK(problem.find("echoed the firmware wrongly near byte 62") != std::string::npos);
+  CHECK(problem.find("returned wrong firmware data near byte 62") != std::string::npos);
   CHECK(problem.find("another port") != std::string::npos);
   CHECK(rig.open() == "");
 }

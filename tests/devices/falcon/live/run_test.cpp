@@ -80,7 +80,7 @@ TEST_CASE("encoders that stand still under a newton are a fault, and moving agai
   CHECK_FALSE(faulty());
   // Every stall of 50 ms begins the watch anew.
   REQUIRE(rig.until(faulty, 300000, {1, 0, 0}));
-  CHECK(rig.says("stand still"));
+  CHECK(rig.says("do not change"));
   CHECK(rig.until([&] { return rig.saw("motor0=0") && rig.saw("motor1=0"); }, 30000, {1, 0, 0}));
   SUBCASE("moving again") {
     rig.control.ask("freeze 0");
@@ -100,7 +100,7 @@ TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
   Rig rig;
   rig.ready();
   rig.control.ask("unplug");
-  REQUIRE(rig.until([&] { return rig.says("left the bus"); }, 30000, {0, 1, 0}));
+  REQUIRE(rig.until([&] { return rig.says("was unplugged"); }, 30000, {0, 1, 0}));
   CHECK_FALSE(rig.step());
   CHECK_FALSE(rig.falcon.write({0, 1, 0}));
   rig.falcon.close();
@@ -150,7 +150,7 @@ TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   CHECK(rig.control.value("frames") > frames);
   CHECK(rig.saw("motor2=0"));
   CHECK(rig.unreachable());
-  CHECK(rig.until([&] { return rig.says("cannot have"); }, 30000, {0, 0, 2}));
+  CHECK(rig.until([&] { return rig.says("impossible arm angles"); }, 30000, {0, 0, 2}));
   rig.control.ask("pose");
   REQUIRE(rig.until([&] { return !rig.unreachable(); }));
   CHECK(rig.falcon.trouble().empty());

@@ -10,7 +10,7 @@ namespace tactus::stress {
 /// the force changes smoothly. The duration of a ramp is the time since the last target, at most 50
 /// ms. fade() sets a duration of its own; ramps that start before its end last at least until then.
 /// Times in s, on one clock that never goes back.
-class LinearGlide {
+class VectorRamp {
 public:
   static constexpr double kMax_s = 0.05;
   /// Takes the value at once.
