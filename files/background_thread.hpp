@@ -33,6 +33,16 @@ struct BackgroundState {
 
   /// The thread's work, until `stop`.
   virtual void work() = 0;
+  /// Ends the work; called by the owner.
+  void end() noexcept {
+    {
+      const std::lock_guard lock(
+          mutex); // otherwise the thread could test `stop` before and wait after this
+      stop = true;
+      ready = nullptr;
+    }
+    changed.notify_all();
+  }
 };
 
 /// A thread of normal priority that computes for an object of a host, whatever the priority of the
@@ -66,14 +76,7 @@ public:
   void end() {
     if (!thread_.joinable())
       return;
-    {
-      const std::lock_guard lock(state_->mutex); // otherwise the thread could test `stop` before
-                                                 // and wait after this
-      state_->stop = true;
-      state_->ready = nullptr;
-    }
-    state_->changed.notify_all();
-    state_ = nullptr;
+    std::exchange(state_, nullptr)->end();
     RetiredThreads::add(std::move(thread_), std::move(ended_));
   }
 

@@ -45,7 +45,7 @@ public:
   }
 
 private:
-  template <class> friend class Worker;
+  template <class, class> friend class Worker;
   struct State : BackgroundState {
     std::atomic<bool> superseded{false};
     std::optional<Answer> answer;
@@ -69,9 +69,9 @@ private:
 ///   double work(const Request&, Turn<Answer>&)
 /// computes a piece of a request and returns the time, on the turn's clock, at which the next piece
 /// is due. Newer requests are noticed between pieces. The job must own all that work() uses,
-/// because its last piece may end after the owner. No function but finish() waits for a piece in
-/// the thread.
-template <class Job> class Worker {
+/// because its last piece may end after the owner. A Job may have an end(), the last call in the
+/// thread. No function but finish() waits for a piece in the thread.
+template <class Job, class Thread = BackgroundThread> class Worker {
 public:
   using Request = typename Job::Request;
   using Answer = typename Job::Answer;
@@ -120,6 +120,11 @@ public:
     const std::lock_guard lock(state_->mutex);
     return state_->in_caller ? std::max(0.0, state_->due_s - now_s) : kNever;
   }
+  /// Whether something is being done, or is to be done at once.
+  [[nodiscard]] bool busy() const {
+    const std::lock_guard lock(state_->mutex);
+    return state_->finished != requested_;
+  }
   /// The number of the newest request; 0: none.
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
 
@@ -154,17 +159,23 @@ private:
           this->changed.wait_for(lock, std::chrono::duration<double>(std::min(wait_s, kLong_s)));
         }
       }
+      lock.unlock();
+      if constexpr (requires { job.end(); })
+        job.end();
     }
     /// Computes one piece without holding the lock.
     void work_on(std::unique_lock<std::mutex>& lock, double now_s) {
       busy = true;
       const bool is_new = std::exchange(has_waiting, false);
+      Request fresh{};
       if (is_new) {
-        std::swap(waiting, current); // swapped, so that frequent requests allocate nothing
+        std::swap(fresh, waiting);
         at_work = requested;
         this->superseded = false;
       }
       lock.unlock();
+      if (is_new)
+        current = std::move(fresh); // what only the one before held ends without the lock
       double next_s = kNever;
       Turn<Answer> turn(*this, is_new, now_s);
       try {
@@ -208,7 +219,7 @@ private:
 
   std::shared_ptr<State> state_;
   std::uint64_t requested_ = 0;
-  BackgroundThread thread_;
+  Thread thread_;
 };
 
 } // namespace tactus

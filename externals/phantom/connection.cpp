@@ -1,10 +1,9 @@
-#include "core/declaration_text.hpp"
+#include "externals/phantom/driver_words.hpp"
 #include "externals/phantom/estop_latches.hpp"
 #include "externals/phantom/motor_heat.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
-#include "externals/phantom/signal_link_name.hpp"
-#include "externals/phantom/tags.hpp"
+#include "externals/phantom/text.hpp"
 
 /// Choosing, opening and closing [phantom]'s device. A worker opens, runs and closes real devices,
 /// since a call of a driver may take seconds or never return. The host's thread waits for none of
@@ -12,29 +11,18 @@
 namespace tactus {
 
 using namespace phantom;
-using Answer = DeviceWorker::Answer;
+using Answer = DeviceJob::Answer;
 
 namespace {
 
 constexpr double kWatchInterval_ms = 50;
 constexpr double kOverdue_s = 1;     // for closing a device, or for an opening that was cancelled
 constexpr double kListOverdue_s = 3; // for a list
+constexpr double kStall_s = 1;       // a servo without a tick for this long is reported
 
-std::string text_of(const Atom& atom) {
-  return atom.is_word ? std::string(atom.word) : number_text(atom.number);
-}
-
-/// "evdev, falcon or net"; the list may begin with "sim", the simulated device.
-std::string driver_names(bool with_simulation) {
-  std::vector<std::string_view> all;
-  if (with_simulation)
-    all.emplace_back("sim");
-  for (const devices::Driver* driver : devices::drivers())
-    all.emplace_back(driver->name);
-  std::string names;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    names += (i == 0 ? "" : i + 1 == all.size() ? " or " : ", ") + std::string(all[i]);
-  return names;
+void report_all(const std::vector<std::string>& sentences, Host& host) {
+  for (const std::string& sentence : sentences)
+    host.error(sentence);
 }
 
 } // namespace
@@ -42,7 +30,7 @@ std::string driver_names(bool with_simulation) {
 const haptic::Backend& Phantom::device() const noexcept {
   if (driver_ && open())
     return *device_;
-  return simulated_;
+  return simulation_.device;
 }
 
 std::string_view Phantom::driver_name() const noexcept { return driver_ ? driver_->name : "sim"; }
@@ -54,19 +42,10 @@ DeviceWorker& Phantom::worker(Host& host) {
 }
 
 void Phantom::send_status(std::string_view word, Host& host) const {
-  if (reported_[kStatus])
-    host.info({"status", word, driver_name()});
+  reports_.send(kStatus, {"status", word, driver_name()}, host);
 }
 
-bool Phantom::for_simulation(std::string_view message, Host& host) const {
-  if (!driver_)
-    return true;
-  host.error(std::string(message) + ": only for the simulated device, not for " +
-             std::string(driver_name()) + "; send backend sim first");
-  return false;
-}
-
-void Phantom::on_backend(Words words, Host& host) {
+void Phantom::choose_driver(Words words, Host& host) {
   const devices::Driver* requested = nullptr;
   if (!is(words[0], "sim")) {
     requested = words[0].is_word ? devices::find_driver(words[0].word) : nullptr;
@@ -95,34 +74,19 @@ void Phantom::on_backend(Words words, Host& host) {
     connect_simulation(host);
 }
 
-/// Passes words to the device's driver as a setting; with `which` as the choice of a device.
-std::string Phantom::configure(haptic::Backend& device, Words words, bool which) {
-  std::vector<std::string> texts;
-  if (which)
-    texts.emplace_back("device");
-  for (const Atom& word : words)
-    texts.push_back(text_of(word));
-  return device.configure(texts);
-}
-
-/// Words after a driver's name are a setting, as after `driver`, or say which device.
-std::string Phantom::configure_new(haptic::Backend& device, Words words) {
-  if (words.size() > 1 && configure(device, words, false).empty())
-    return {};
-  return configure(device, words, true);
-}
-
-void Phantom::on_setting(Words words, Host& host, std::string_view name) {
+void Phantom::set_driver(const Message& row, Words words, Host& host) {
+  const bool general = row.name == "driver"; // else the setting's name is the message's
   if (!driver_)
-    return host.error((name.empty() ? "driver" : std::string(name)) +
-                      ": only for a real device; first choose one with backend " +
+    return host.error(std::string(row.name) +
+                      ": only for a real device; first choose one with "
+                      "backend " +
                       driver_names(false));
   std::vector<std::string> texts;
-  if (!name.empty())
-    texts.emplace_back(name);
+  if (!general)
+    texts.emplace_back(row.name);
   for (const Atom& word : words)
     texts.push_back(text_of(word));
-  std::string asked = name.empty() ? "driver" : "";
+  std::string asked = general ? "driver" : "";
   for (const std::string& text : texts)
     asked += (asked.empty() ? "" : " ") + text;
   if ((texts[0] == "firmware" || texts[0] == "table" || texts[0] == "token") && texts.size() == 2) {
@@ -136,35 +100,34 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     host.error(asked + ": " + refused);
 }
 
-void Phantom::on_devices(Host& host) {
-  host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(name_),
+void Phantom::list_devices(Host& host) {
+  host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(audio_.name()),
              !driver_ && open() ? "open" : "closed"});
   if (devices::drivers().empty())
     return;
   if (!lister_)
-    lister_ = std::make_unique<DeviceWorker>([&host] { host.wake_from_thread(); });
+    lister_ = std::make_unique<DeviceLister>([&host] { host.wake_from_thread(); });
   if (const std::string late = lister_->overdue(kListOverdue_s); !late.empty())
     return host.error("devices: " + late + " has not returned yet; the list waits for it");
-  if (const std::string refusal = lister_->list(); !refusal.empty())
+  if (const std::string refusal = lister_->request({}); !refusal.empty())
     host.error("devices: " + refusal);
 }
 
-void Phantom::on_name(Words words, Host& host) {
-  if (signals_published_)
-    host.publish(signal_link_name(name_), nullptr);
-  name_ = text_of(words[0]);
-  signals_published_ = created_ && host.publish(signal_link_name(name_), rig_->signals);
+void Phantom::set_name(const Atom& name, Host& host) {
+  audio_.withdraw(host);
+  audio_.set_name(text_of(name));
   if (!created_)
     return; // creation does the rest
-  if (!signals_published_)
-    host.error("name " + name_ + ": another phantom has this name; phantom~ connects to that one");
+  if (!audio_.publish(session_.rig(), host))
+    host.error("name " + audio_.name() +
+               ": another phantom has this name; phantom~ connects to that one");
   if (exchange().motors.request().stopped)
     latch_stop();
-  inherit_stop(name_key(name_), host);
+  inherit_stop(name_key(audio_.name()), host);
 }
 
 void Phantom::connect_simulation(Host& host) {
-  if (const std::string refusal = simulated_.open(); !refusal.empty())
+  if (const std::string refusal = simulation_.device.open(); !refusal.empty())
     return host.error(refusal);
   link_ = Link::kOpen;
   wall_ = clock_ == Clock::kWall;
@@ -198,7 +161,8 @@ void Phantom::connect(Words which, Host& host) {
   switch_off();
   link_ = Link::kOpening;
   send_status("opening", host);
-  if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_); !refusal.empty())
+  if (const std::string refusal = worker(host).request({++ticket_, driver_, device_});
+      !refusal.empty())
     return closed("open: " + refusal, host);
   host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
@@ -209,40 +173,37 @@ void Phantom::disconnect(Host& host) {
   if (driver_) {
     end_session(host);
   } else {
-    fade_out();
-    rig_->servo.detach();
-    rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
-    static_cast<void>(simulated_.write({}));
-    simulated_.close();
+    session_.fade_out();
+    session_.rig().servo.detach();
+    session_.leave_audio();
+    static_cast<void>(simulation_.device.write({}));
+    simulation_.device.close();
   }
   closed({}, host);
 }
 
-/// Gives the real device and its servo to the worker, which lets the force fall and closes the
-/// device. The object continues with a new servo.
+/// Leaves the real device and its servo to the worker, which lets the force fall and closes the
+/// device, or gives up opening it. The object continues with a new servo.
 void Phantom::end_session(Host& host) {
-  worker_->abandon();
-  while (const auto answer = worker_->take())
-    if (answer->kind == Answer::Kind::kOpened)
-      static_cast<void>(worker_->close(driver_, {}, answer->device)); // its thread is there
-  if (open()) {
+  if (open())
     collect(host);
-    if (!open())
-      return; // collect() found the device lost
-    rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
+  const bool runs = open(); // collect() may find the device lost
+  if (runs) {
+    session_.leave_audio();
     exchange().motors.pause(true);
-    if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
-        !refusal.empty())
-      host.error("close: " + refusal);
-    replace_rig(host);
   }
+  if (const std::string refusal = worker(host).request({++ticket_}); !refusal.empty())
+    host.error("close: " + refusal);
+  if (runs)
+    replace_rig(host);
   host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
 
 /// The device is closed; reports that and the reason, if any.
 void Phantom::closed(std::string_view why, Host& host) {
   link_ = Link::kClosed;
-  has_report_ = has_report_ && !driver_;
+  if (driver_)
+    output_.forget_report();
   if (!why.empty())
     host.error(why);
   send_status("closed", host);
@@ -255,77 +216,54 @@ void Phantom::store_heat() noexcept {
 }
 
 /// Makes a new servo with the same settings, scene, network and name. The old one belongs to the
-/// thread that ends it; its last report is copied.
+/// thread that ends it.
 void Phantom::replace_rig(Host& host) {
-  auto next = std::make_shared<ServoRig>();
-  haptic::Exchange& from = exchange();
-  haptic::Exchange& to = next->servo.exchange();
-  to.motors.take_over(from.motors);
-  to.tracing = from.tracing.load();
-  from.tracing = false;
   store_heat();
-  from.statistics.read();
-  to.reports.write(from.reports.latest());
-  to.reports.read();
-  to.statistics.write(from.statistics.latest());
-  to.statistics.read();
-  next->servo.continue_statistics(from.reports.latest(), from.statistics.latest());
-  to.wrist.write(wrist_);
-  next->scene.publish(scene_.snapshot());
-  next->network.publish(network_.snapshot());
-  next->effects.set(effect_settings_);
-  if (signals_published_) {
-    host.publish(signal_link_name(name_), nullptr);
-    signals_published_ = host.publish(signal_link_name(name_), next->signals);
-  }
-  rig_ = std::move(next);
-  runner_ = std::make_shared<devices::ServoThread>();
+  session_.replace();
+  wrist_.publish(exchange());
+  models_.publish(session_.rig());
+  audio_.replace(session_.rig(), host);
+  output_.begin_rig();
   running_ = false;
   faults_ = 0;
-  lost_reported_ = 0;
-  audio_blocks_ = 0;
   apply_settings();
 }
 
 void Phantom::posted(Host& host) {
-  while (const auto answer = lister_ ? lister_->take() : std::nullopt)
-    listed(*answer, host);
-  while (const auto answer = worker_ ? worker_->take() : std::nullopt) {
-    const bool current = answer->ticket == ticket_;
-    switch (answer->kind) {
-    case Answer::Kind::kListed:
-      break;
-    case Answer::Kind::kOpened:
-      opened(*answer, host);
-      break;
-    case Answer::Kind::kRefused:
-      if (!current || link_ != Link::kOpening)
-        break;
-      send_trouble(answer->sentence, host);
-      closed(answer->sentence, host);
-      break;
-    case Answer::Kind::kRunning:
-      running_ = current && open();
-      report_s_ = devices::ServoThread::now_s();
-      if (running_)
-        runner_->set_period(period_s());
-      break;
-    case Answer::Kind::kNotRunning:
-      if (!current || !open())
-        break;
-      send_trouble(answer->sentence, host);
-      host.error(std::string(driver_name()) + ": " + answer->sentence);
-      disconnect(host);
-      break;
-    case Answer::Kind::kTrouble:
-      if (current && link_ == Link::kLost)
-        send_trouble(trouble_ = answer->sentence, host);
-      break;
-    case Answer::Kind::kClosed:
-      if (!answer->released)
-        host.error("close: the device did not accept the final zero force; it may be unplugged");
-      break;
-    }
+  if (lister_) {
+    const auto taken = lister_->take();
+    report_all(taken.sentences, host);
+    if (taken.answer)
+      listed(*taken.answer, host);
+  }
+  if (!worker_)
+    return;
+  const auto taken = worker_->take();
+  report_all(taken.sentences, host);
+  const auto& answer = taken.answer;
+  if (!answer || answer->ticket != ticket_)
+    return; // of a device that is not wanted any more
+  switch (answer->kind) {
+  case Answer::Kind::kOpened:
+    opened(host);
+    break;
+  case Answer::Kind::kRefused:
+    send_trouble(answer->sentence, driver_name(), reports_, host);
+    closed(answer->sentence, host);
+    break;
+  case Answer::Kind::kTrouble:
+    trouble_.report(answer->sentence, driver_name(), reports_, host);
+    break;
+  case Answer::Kind::kRunning:
+    running_ = true;
+    output_.servo_begins();
+    session_.thread()->set_period(period_s());
+    break;
+  case Answer::Kind::kNotRunning:
+    send_trouble(answer->sentence, driver_name(), reports_, host);
+    host.error(std::string(driver_name()) + ": " + answer->sentence);
+    disconnect(host);
+    break;
   }
 }
 
@@ -342,11 +280,11 @@ void Phantom::watch_worker(Host& host) {
     return;
   }
   const bool again = link_ == Link::kOpening;
-  worker_.reset(); // the thread owns its data and ends when the call returns
+  worker_.reset(); // the thread keeps what it works on, and ends when the call returns
   host.error(late + " has not returned for 1 s; its thread is abandoned. Switch the device off "
                     "and on; if it cannot be opened then, restart the host");
   if (again) { // the new opening was queued behind that call
-    if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_);
+    if (const std::string refusal = worker(host).request({++ticket_, driver_, device_});
         !refusal.empty())
       return closed("open: " + refusal, host);
     return host.wake_in(kWatchWorker, kWatchInterval_ms);
@@ -358,23 +296,15 @@ void Phantom::watch_worker(Host& host) {
   }
 }
 
-void Phantom::opened(const Answer& answer, Host& host) {
-  if (answer.ticket != ticket_ || (link_ != Link::kOpening && link_ != Link::kLost)) {
-    static_cast<void>(worker_->close(driver_, {}, answer.device)); // its thread is there
-    return;
-  }
+void Phantom::opened(Host& host) {
   link_ = Link::kOpen;
   wall_ = true;
   const haptic::Caps caps = device_->caps();
-  if (!own_workspace_)
-    settings_.chain.workspace = {caps.workspace_min, caps.workspace_max};
-  has_report_ = false;
-  flags_.reset();
-  if (!trouble_.empty())
-    send_trouble(trouble_ = {}, host);
-  driver_trouble_.clear();
+  setup_.use_workspace(caps);
+  output_.forget_report();
+  trouble_.begin(driver_name(), reports_, host);
   device_key_ = device_key(driver_->name, device_->identity().serial);
-  rig_->servo.set_motor_heat(motor_heat_n2(device_key_, devices::ServoThread::now_s()));
+  session_.rig().servo.set_motor_heat(motor_heat_n2(device_key_, devices::ServoThread::now_s()));
   inherit_stop(device_key_, host);
   if (exchange().motors.request().stopped)
     latch_stop();
@@ -384,48 +314,91 @@ void Phantom::opened(const Answer& answer, Host& host) {
   send_identity(host);
   if (caps.axes_out == 0)
     send_status("noforce", host);
-  warn_of_scene(host); // now that the device's limits are known
-  for (const char* effect : {"spring", "viscous", "inertia", "friction", "texture"})
-    warn_of_effect(effect, host);
+  models_.warn(stability_limits(), host);
   begin(host);
 }
 
 void Phantom::send_identity(Host& host) const {
-  const haptic::Identity identity = device_->identity();
-  const auto word = [](const std::string& text) { return text.empty() ? "-" : text; };
-  const std::string vendor = word(identity.vendor), model = word(identity.model),
-                    serial = word(identity.serial);
-  if (reported_[kStatus])
-    host.info({"device", driver_name(), 0.0, std::string_view(vendor), std::string_view(model),
-               std::string_view(serial), "open"});
+  if (reports_.on(kStatus))
+    send_device(driver_name(), 0, device_->identity(), "open", host);
 }
 
-void Phantom::listed(const Answer& answer, Host& host) {
-  const auto word = [](const std::string& text) { return text.empty() ? "-" : text; };
-  for (const devices::Found& found : answer.found) {
-    const std::string vendor = word(found.identity.vendor), model = word(found.identity.model),
-                      serial = word(found.identity.serial), state = word(found.state);
-    host.info({"device", found.driver, static_cast<double>(found.index), std::string_view(vendor),
-               std::string_view(model), std::string_view(serial), std::string_view(state)});
-  }
+void Phantom::listed(const ListJob::Answer& answer, Host& host) {
+  for (const devices::Found& found : answer.found)
+    send_device(found.driver, found.index, found.identity, found.state, host);
   for (const auto& [driver, problem] : answer.problems)
     host.info({"obstacle", std::string_view(driver), std::string_view(problem)});
 }
 
-/// Also called when the host's program ends without deleting the object.
-void Phantom::let_go() noexcept {
-  rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
-  if (!driver_) {
-    fade_out();
-    rig_->servo.detach();
-  } else if (worker_) {
-    worker_->abandon();
-    exchange().motors.pause(true);
-    if (open()) {
-      store_heat();
-      static_cast<void>(worker_->close(driver_, {rig_, runner_}, device_));
+/// Reports what is new of a real device's state, faults and troubles.
+void Phantom::watch_device(Host& host) {
+  if (!open())
+    return;
+  if (output_.has_report()) {
+    trouble_.watch_flags(report().state.flags, reports_, host);
+    if (report().faults != faults_) {
+      faults_ = report().faults;
+      return report().fault == haptic::Fault::kReported ? handle_device_fault(host)
+                                                        : handle_lost_device(host);
     }
   }
+  if (!trouble_.due(host.now_ms()))
+    return;
+  const bool still = running_ && output_.silence_s() > kStall_s;
+  trouble_.watch(still ? std::string(driver_name()) +
+                             ": the servo has stopped: a call of the driver does not return, or "
+                             "the driver no longer calls back; close the device, switch it off and "
+                             "on, and open it again"
+                       : device_->trouble(),
+                 driver_name(), reports_, host);
+}
+
+/// The device no longer answers: closes it and tries to open it again until it returns.
+void Phantom::handle_lost_device(Host& host) {
+  const std::string problem = device_->trouble();
+  session_.leave_audio();
+  link_ = Link::kLost;
+  switch_off();
+  host.error(std::string(driver_name()) +
+             ": the device no longer answers: check its cable and power. It is opened again "
+             "when it returns; its motors stay off until motors 1" +
+             (problem.empty() ? "" : " (" + problem + ")"));
+  if (!problem.empty())
+    trouble_.report(problem, driver_name(), reports_, host);
+  send_status("lost", host);
+  const std::string refusal = worker(host).request({++ticket_, driver_, device_, true});
+  replace_rig(host);
+  host.wake_in(kWatchWorker, 0);
+  if (!refusal.empty())
+    closed(refusal, host);
+}
+
+/// The device reports a failure but still answers.
+void Phantom::handle_device_fault(Host& host) {
+  exchange().motors.emergency_stop();
+  latch_stop();
+  const std::string problem = device_->trouble();
+  host.error("the device has failed and its motors stay off until motors 1: " +
+             (problem.empty() ? std::string(driver_name()) + ": check the device first" : problem));
+  if (!problem.empty())
+    trouble_.report(problem, driver_name(), reports_, host);
+  reports_.send(kStatus, {"status", "fault", 1.0}, host);
+  stop_.report(exchange().motors, reports_, host);
+}
+
+/// Also called when the host's program ends without deleting the object.
+void Phantom::let_go() noexcept {
+  session_.leave_audio();
+  if (!driver_) {
+    session_.fade_out();
+    session_.rig().servo.detach();
+  } else if (worker_) {
+    exchange().motors.pause(true);
+    if (open())
+      store_heat();
+  }
+  worker_.reset(); // its thread closes the device
+  lister_.reset();
   link_ = Link::kClosed;
 }
 

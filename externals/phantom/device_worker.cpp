@@ -1,160 +1,139 @@
 #include "externals/phantom/device_worker.hpp"
 
-#include "devices/scoped_signal_mask.hpp"
-#include "externals/phantom/device_worker_state.hpp"
-
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <system_error>
+#include <iterator>
 #include <thread>
 
-/// DeviceWorker's functions for the host's thread; none of them waits for a driver.
+/// What the threads of devices do, where a driver's call may take any time.
 namespace tactus::phantom {
 namespace {
 
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
-
-/// The workers with a thread, for join_all() at the end of the program. Never destroyed.
-struct Table {
-  std::mutex mutex;
-  std::vector<std::weak_ptr<void>> all;
-};
-Table& table() {
-  static auto* const made = new Table;
-  return *made;
-}
+constexpr double kFirstPause_s = 0.25, kMaxPause_s = 4;
+constexpr double kFall_s = 0.2; // for the force to fall at the slew limit
+constexpr double kOneHour_s = 3600;
 
 } // namespace
 
-DeviceWorker::DeviceWorker(std::function<void()> ready) : state_(std::make_shared<State>()) {
-  state_->ready = std::move(ready);
-}
-
-DeviceWorker::~DeviceWorker() {
-  {
-    const std::scoped_lock lock(state_->ready_mutex);
-    state_->ready = nullptr;
+double DeviceJob::work(const Request& request, Turn<Answer>& turn) {
+  if (open_.device && open_.ticket != request.ticket) {
+    if (!close() && !request.persists) // a lost one takes none
+      turn.say("close: the device did not accept the final zero force; it may be unplugged");
+    return kDueNow;
   }
-  const std::scoped_lock lock(state_->mutex);
-  state_->ending = true;
-  state_->invalidate_ticket();
+  if (!request.device)
+    return kNever;
+  if (!open_.device)
+    return open(request, turn);
+  if (request.session.runner && !open_.session.runner)
+    run(request, turn);
+  return kNever;
 }
 
-std::string DeviceWorker::enqueue(Task task) {
-  const std::scoped_lock lock(state_->mutex);
-  if (state_->ending)
-    return "the program is ending";
-  if (!state_->has_thread) {
-    const devices::ScopedSignalMask
-        mask; // the drivers' threads inherit it, since the worker starts them
-    try {
-      std::thread([state = state_] { state->work(); }).detach();
-    } catch (const std::system_error& error) {
-      return std::string("cannot start the thread for devices (") + error.what() +
-             "): close other programs or raise the limit on threads";
+void DeviceJob::end() {
+  if (open_.device)
+    static_cast<void>(close());
+  DriverCalls::set_running(calls_, false);
+}
+
+double DeviceJob::open(const Request& request, Turn<Answer>& turn) {
+  if (std::exchange(ticket_, request.ticket) != request.ticket) {
+    pause_s_ = kFirstPause_s;
+    reported_.reset();
+    if (request.persists)
+      return turn.now_s() + pause_s_;
+  }
+  std::string refusal = try_open(request, turn);
+  if (refusal.empty()) {
+    open_ = {request.ticket, request.driver, request.device};
+    turn.hand_over({Answer::Kind::kOpened, request.ticket});
+    return kNever;
+  }
+  if (!request.persists) {
+    turn.hand_over({Answer::Kind::kRefused, request.ticket, std::move(refusal)});
+    return kNever;
+  }
+  if (reported_ != refusal)
+    turn.hand_over({Answer::Kind::kTrouble, request.ticket, refusal});
+  reported_ = std::move(refusal);
+  pause_s_ = std::min(2 * pause_s_, kMaxPause_s);
+  return devices::ServoThread::now_s() + pause_s_;
+}
+
+/// Opens the device and marks its driver as in use. Empty, or the reason why not.
+std::string DeviceJob::try_open(const Request& request, const Turn<Answer>& turn) {
+  std::string refusal;
+  auto use = DriverUse::enter(
+      *request.driver, [&turn] { return !turn.is_superseded(); }, refusal);
+  if (!use)
+    return refusal;
+  const bool shared = use->shared();
+  calls_->set_use(std::move(use));
+  {
+    const DriverCalls::Call call(*calls_,
+                                 std::string(request.driver->name) + ": opening the device",
+                                 request.device, request.ticket);
+    // problem() may load the driver's libraries, which would disturb another open device of it.
+    refusal = shared ? std::string() : request.driver->problem();
+    if (refusal.empty())
+      refusal = request.device->open();
+  }
+  if (refusal.empty())
+    calls_->opened(request.device->identity());
+  else
+    calls_->set_use(nullptr);
+  return refusal;
+}
+
+void DeviceJob::run(const Request& request, Turn<Answer>& turn) {
+  open_.session = request.session;
+  ServoRig& rig = *request.session.rig;
+  rig.guard.set_driven(true);
+  std::string refusal;
+  {
+    const DriverCalls::Call call(*calls_, "starting the device's servo");
+    refusal = request.session.runner->start(rig.servo, *rig.device, request.period_s,
+                                            request.session.rig);
+  }
+  turn.hand_over({refusal.empty() ? Answer::Kind::kRunning : Answer::Kind::kNotRunning,
+                  request.ticket, std::move(refusal)});
+}
+
+/// Ends the session and closes the device. Whether the device took the zero force. Waits for a call
+/// that hangs, since the device must not be closed during it.
+bool DeviceJob::close() {
+  const Request closed = std::exchange(open_, {});
+  const DriverCalls::Call call(*calls_, std::string(closed.driver->name) + ": closing the device");
+  calls_->leave();
+  bool released = true;
+  if (const Session& session = closed.session; session.runner) {
+    const double give_up_s = devices::ServoThread::now_s() + kFall_s;
+    while (session.runner->running() &&
+           !session.rig->servo.exchange().motors.zero_force_confirmed() &&
+           devices::ServoThread::now_s() < give_up_s)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!session.runner->stop(kOneHour_s)) {
     }
-    state_->has_thread = true;
-    const std::scoped_lock table_lock(table().mutex);
-    std::erase_if(table().all, [](const auto& one) { return one.expired(); });
-    table().all.push_back(state_);
+    session.rig->guard.set_driven(false);
+    released = session.runner->released();
   }
-  if (task.ticket > 0)
-    state_->ticket = task.ticket;
-  state_->tasks.push_back(std::move(task));
-  state_->changed.notify_all();
-  return {};
+  closed.device->close();
+  calls_->set_use(nullptr);
+  return released;
 }
 
-std::string DeviceWorker::open(const devices::Driver& driver, Device device, std::uint64_t ticket) {
-  return enqueue({Task::Kind::kOpen, &driver, std::move(device), {}, ticket});
-}
-std::string DeviceWorker::run(Session session, double period_s, std::uint64_t ticket) {
-  return enqueue({Task::Kind::kRun, nullptr, {}, std::move(session), ticket, period_s});
-}
-std::string DeviceWorker::close(const devices::Driver* driver, Session session, Device device) {
-  return enqueue({Task::Kind::kClose, driver, std::move(device), std::move(session)});
-}
-std::string DeviceWorker::reopen(const devices::Driver& driver, Session session, Device device,
-                                 std::uint64_t ticket) {
-  return enqueue({Task::Kind::kReopen, &driver, std::move(device), std::move(session), ticket});
-}
-std::string DeviceWorker::list() { return enqueue({Task::Kind::kList}); }
-
-void DeviceWorker::abandon() {
-  const std::scoped_lock lock(state_->mutex);
-  state_->invalidate_ticket();
-}
-
-std::optional<DeviceWorker::Answer> DeviceWorker::take() {
-  const std::scoped_lock lock(state_->mutex);
-  if (state_->answers.empty())
-    return std::nullopt;
-  Answer answer = std::move(state_->answers.front());
-  state_->answers.pop_front();
-  return answer;
-}
-
-bool DeviceWorker::busy() const {
-  const std::scoped_lock lock(state_->mutex);
-  return state_->working || !state_->tasks.empty();
-}
-
-void DeviceWorker::cancel_unwanted() { state_->cancel_unwanted(); }
-
-std::string DeviceWorker::overdue(double limit_s) const {
-  const std::scoped_lock lock(state_->mutex);
-  const bool late =
-      state_->since_s > 0 && devices::ServoThread::now_s() - state_->since_s > limit_s;
-  return late ? state_->call : std::string();
-}
-
-bool DeviceWorker::finish(double seconds) noexcept {
-  {
-    const std::scoped_lock lock(state_->mutex);
-    state_->ending = true;
-    state_->invalidate_ticket();
+double ListJob::work(const Request&, Turn<Answer>& turn) {
+  Answer all;
+  for (const devices::Driver* driver : devices::drivers()) {
+    const DriverCalls::Call call(*calls_, std::string(driver->name) + ": listing devices");
+    DriverUse::Listed listed = DriverUse::list(*driver);
+    if (listed.problem.empty())
+      std::move(listed.found.begin(), listed.found.end(), std::back_inserter(all.found));
+    else
+      all.problems.emplace_back(driver->name, std::move(listed.problem));
   }
-  const double end_s = devices::ServoThread::now_s() + seconds;
-  for (;;) {
-    state_->cancel_unwanted();
-    std::unique_lock lock(state_->mutex);
-    if (!state_->has_thread)
-      return true;
-    if (devices::ServoThread::now_s() > end_s)
-      return false;
-    state_->changed.wait_for(lock, kPollInterval);
-  }
-}
-
-void DeviceWorker::join_all(double seconds) noexcept {
-  std::vector<std::shared_ptr<State>> all;
-  {
-    const std::scoped_lock lock(table().mutex);
-    for (const auto& one : table().all)
-      if (auto state = std::static_pointer_cast<State>(one.lock()))
-        all.push_back(std::move(state));
-  }
-  const auto ask_to_end = [](State& state) {
-    const std::scoped_lock lock(state.mutex);
-    state.ending = true;
-    state.invalidate_ticket();
-    return !state.has_thread;
-  };
-  const double end_s = devices::ServoThread::now_s() + seconds;
-  for (;;) {
-    std::erase_if(all, [&](const auto& state) { return ask_to_end(*state); });
-    if (all.empty() || devices::ServoThread::now_s() > end_s)
-      break;
-    for (const auto& state : all)
-      state->cancel_unwanted();
-    std::this_thread::sleep_for(kPollInterval);
-  }
-  for (const auto& state : all) {
-    const std::scoped_lock lock(state->mutex);
-    std::fprintf(stderr, "phantom: %s has not returned; the program ends without it\n",
-                 state->call.empty() ? "a device's driver" : state->call.c_str());
-  }
+  turn.hand_over(std::move(all));
+  return kNever;
 }
 
 } // namespace tactus::phantom

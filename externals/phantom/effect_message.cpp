@@ -2,7 +2,6 @@
 
 #include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
-#include "externals/phantom/phantom.hpp"
 #include "externals/phantom/text.hpp"
 
 #include <algorithm>
@@ -187,19 +186,3 @@ void dump_effects(const EffectSettings& now, Host& host) {
 }
 
 } // namespace tactus::phantom
-
-namespace tactus {
-
-void Phantom::on_effect(Words words, Host& host) {
-  if (const std::string refusal = phantom::read_effect(words, effect_settings_); !refusal.empty())
-    return host.error(refusal);
-  rig_->effects.set(effect_settings_);
-  warn_of_effect(phantom::text_of(words[0]), host);
-}
-
-void Phantom::warn_of_effect(const std::string& name, Host& host) {
-  warn_of_stiffness("effect " + name, phantom::effect_stiffness(name, effect_settings_), host);
-  warn_of_damping("effect " + name, phantom::effect_damping(name, effect_settings_), host);
-}
-
-} // namespace tactus

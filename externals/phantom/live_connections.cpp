@@ -1,6 +1,6 @@
 #include "externals/phantom/live_connections.hpp"
 
-#include "externals/phantom/device_worker.hpp"
+#include "externals/phantom/driver_calls.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,7 +37,7 @@ void let_all_go() {
   // Needs no lock: only the host's thread registers objects, and it is ending the process.
   for (LiveConnection* one : registry().all)
     one->let_go();
-  DeviceWorker::join_all(kExit_s);
+  static_cast<void>(DriverCalls::join_all(kExit_s));
 }
 
 // The data that the signal handler reads: without locks, in memory that is never freed.

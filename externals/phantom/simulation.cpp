@@ -1,18 +1,39 @@
+#include "externals/phantom/simulation.hpp"
+
 #include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/path_message.hpp"
-#include "externals/phantom/phantom.hpp"
 
-/// [phantom]'s messages for the simulated device.
-namespace tactus {
+#include <string_view>
 
-using namespace phantom;
+namespace tactus::phantom {
 
-void Phantom::on_hand(Words words, Host& host) {
-  if (!for_simulation("hand", host))
-    return;
-  using Hold = haptic::HandSettings::Hold;
-  haptic::HandSettings hand = simulation_.hand;
+using Device = haptic::SimulatedDevice;
+using Hold = haptic::HandSettings::Hold;
+
+void Simulation::apply(const std::function<void()>& changed) {
+  Device::Settings settings;
+  settings.mass_kg = given.mass_kg;
+  settings.viscous_n_s_per_m = given.viscous_n_s_per_m;
+  settings.stops = given.stops;
+  settings.resolution_m = given.resolution_mm * 1e-3;
+  settings.noise_m = given.noise_mm * 1e-3;
+  settings.latency_ticks = static_cast<int>(given.latency_ticks);
+  settings.hand = hand_;
+  settings.seed = settings.hand.seed = given.seed;
+  between_ticks_([&](Device& simulated) {
+    const haptic::Caps before = simulated.caps();
+    simulated.set(settings);
+    const haptic::Caps now = simulated.caps();
+    if (now.position_noise_m != before.position_noise_m ||
+        now.damping_limit_n_s_per_m != before.damping_limit_n_s_per_m ||
+        now.latency_ticks != before.latency_ticks)
+      changed();
+  });
+}
+
+std::string Simulation::hold(Words words) {
+  haptic::HandSettings hand = hand_;
   if (is(words[0], "free"))
     hand.hold = Hold::kFree;
   else if (is(words[0], "rigid"))
@@ -22,104 +43,91 @@ void Phantom::on_hand(Words words, Host& host) {
   else if (is(words[0], "person"))
     hand.hold = Hold::kPerson;
   else
-    return host.error(expected("hand", words[0], "free, rigid, spring or person"));
+    return expected("hand", words[0], "free, rigid, spring or person");
 
   constexpr Range ranges[] = {{"K", "N/m", 0, 20000},
                               {"B", "N s/m", 0, 1000},
                               {"tremor", "mm", 0, 10},
                               {"wander", "mm", 0, 50},
                               {"yield", "ms", 0, 60000}};
-  const std::size_t given = words.size() - 1;
+  const std::size_t count = words.size() - 1;
   const bool person = hand.hold == Hold::kPerson, spring = hand.hold == Hold::kSpring;
-  if (given != 0 && !(spring && given == 2) && !(person && (given == 2 || given == 5)))
-    return host.error("hand " + std::string(words[0].word) + ": " +
-                      number_text(static_cast<double>(given)) +
-                      (given == 1 ? " number" : " numbers") +
-                      (spring   ? ": expected none, or K (N/m) and B (N s/m)"
-                       : person ? ": expected none, K (N/m) and B (N s/m), or these and tremor "
-                                  "(mm), wander (mm) and yield (ms)"
-                                : ": expected none"));
+  if (count != 0 && !(spring && count == 2) && !(person && (count == 2 || count == 5)))
+    return "hand " + std::string(words[0].word) + ": " + number_text(static_cast<double>(count)) +
+           (count == 1 ? " number" : " numbers") +
+           (spring   ? ": expected none, or K (N/m) and B (N s/m)"
+            : person ? ": expected none, K (N/m) and B (N s/m), or these and tremor (mm), wander "
+                       "(mm) and yield (ms)"
+                     : ": expected none");
   double values[5] = {};
-  const std::string refusal = read_numbers(words.subspan(1), std::span(ranges, given), values);
+  const std::string refusal = read_numbers(words.subspan(1), std::span(ranges, count), values);
   if (!refusal.empty())
-    return host.error("hand: " + refusal);
-  if (given >= 2) {
+    return "hand: " + refusal;
+  if (count >= 2) {
     hand.stiffness_n_per_m = values[0];
     hand.damping_n_s_per_m = values[1];
   }
-  if (given == 5) {
+  if (count == 5) {
     hand.tremor_m = values[2] * 1e-3;
     hand.wander_m = values[3] * 1e-3;
     hand.yield_s = values[4] * 1e-3;
   }
-  simulation_.hand = hand;
-  apply_simulation_settings();
+  hand_ = hand;
+  return {};
 }
 
-void Phantom::on_path(Words words, Host& host) {
-  if (!for_simulation("path", host))
-    return;
+std::string Simulation::set_path(Words words, const Host& host) {
   PathChoice choice = choose_path(words, host);
   if (!choice.refusal.empty())
-    return host.error(choice.refusal);
+    return choice.refusal;
   path_name_ = words[0].word;
-  with_simulation([this, &choice] { simulated_.set_path(std::move(choice.path)); });
+  between_ticks_([&](Device& simulated) { simulated.set_path(std::move(choice.path)); });
+  return {};
 }
 
-void Phantom::on_target(Words words, Host& host) {
-  if (!for_simulation("target", host))
-    return;
+std::string Simulation::set_target(Words words) {
   constexpr Range ranges[] = {millimetres("x"), millimetres("y"), millimetres("z")};
   double mm[3];
-  const std::string refusal = read_numbers(words, ranges, mm);
-  if (!refusal.empty())
-    return host.error("target: " + refusal);
+  if (const std::string refusal = read_numbers(words, ranges, mm); !refusal.empty())
+    return "target: " + refusal;
   path_name_ = "target";
-  with_simulation([this, &mm] { simulated_.set_target(metres(mm)); });
+  between_ticks_([&](Device& simulated) { simulated.set_target(metres(mm)); });
+  return {};
 }
 
-void Phantom::on_seek(Words words, Host& host) {
-  if (!for_simulation("seek", host))
-    return;
+std::string Simulation::seek(Words words) {
   constexpr Range ranges[] = {{"time", "ms", -1e9, 1e9}};
   double ms = 0;
-  const std::string refusal = read_numbers(words, ranges, &ms);
-  if (!refusal.empty())
-    return host.error("seek: " + refusal);
-  with_simulation([this, ms] { simulated_.seek(ms * 1e-3); });
+  if (const std::string refusal = read_numbers(words, ranges, &ms); !refusal.empty())
+    return "seek: " + refusal;
+  between_ticks_([ms](Device& simulated) { simulated.seek(ms * 1e-3); });
+  return {};
 }
 
-void Phantom::on_button(Words words, Host& host) {
-  if (!for_simulation("button", host))
-    return;
+std::string Simulation::press(Words words) {
   constexpr Range ranges[] = {{"number", "", 0, 31}, {"state", "", 0, 1}};
   double values[2];
-  const std::string refusal = read_numbers(words, ranges, values);
-  if (!refusal.empty())
-    return host.error("button: " + refusal);
-  with_simulation(
-      [this, &values] { simulated_.set_button(static_cast<int>(values[0]), values[1] != 0); });
+  if (const std::string refusal = read_numbers(words, ranges, values); !refusal.empty())
+    return "button: " + refusal;
+  between_ticks_([&](Device& simulated) {
+    simulated.set_button(static_cast<int>(values[0]), values[1] != 0);
+  });
+  return {};
 }
 
-void Phantom::dump_hand(Host& host) const {
-  using Hold = haptic::HandSettings::Hold;
+void Simulation::dump(Host& host) const {
   host.info({"path", std::string_view(path_name_)});
-  const auto& hand = simulation_.hand;
-  switch (hand.hold) {
+  switch (hand_.hold) {
   case Hold::kFree:
-    host.info({"hand", "free"});
-    break;
+    return host.info({"hand", "free"});
   case Hold::kRigid:
-    host.info({"hand", "rigid"});
-    break;
+    return host.info({"hand", "rigid"});
   case Hold::kSpring:
-    host.info({"hand", "spring", hand.stiffness_n_per_m, hand.damping_n_s_per_m});
-    break;
+    return host.info({"hand", "spring", hand_.stiffness_n_per_m, hand_.damping_n_s_per_m});
   case Hold::kPerson:
-    host.info({"hand", "person", hand.stiffness_n_per_m, hand.damping_n_s_per_m,
-               hand.tremor_m * 1e3, hand.wander_m * 1e3, hand.yield_s * 1e3});
-    break;
+    return host.info({"hand", "person", hand_.stiffness_n_per_m, hand_.damping_n_s_per_m,
+                      hand_.tremor_m * 1e3, hand_.wander_m * 1e3, hand_.yield_s * 1e3});
   }
 }
 
-} // namespace tactus
+} // namespace tactus::phantom

@@ -24,7 +24,7 @@ namespace {
 struct Log {
   std::atomic<int> begun{0}; ///< pieces
   std::atomic<bool> held{false};
-  std::atomic<int> ended{0};
+  std::atomic<int> last_acts{0}, ended{0};
 
   void await_begun(int pieces) const {
     while (begun < pieces)
@@ -63,6 +63,7 @@ struct Counter {
            : request.pause_s == kDueNow ? kDueNow
                                         : turn.now_s() + request.pause_s;
   }
+  void end() { ++log->last_acts; }
   std::shared_ptr<Log> log;
   int counted = 0;
 };
@@ -98,6 +99,7 @@ TEST_CASE(
   rig.request({2});
   rig.request({3});
   CHECK(rig.worker.take().finished == 0);
+  CHECK(rig.worker.busy());
   rig.log->held = false;
   rig.log->await_begun(2); // the first is handed over
   const auto answers = rig.await();
@@ -106,6 +108,7 @@ TEST_CASE(
     CHECK((answer.asked == 1 || answer.asked == 3));
   CHECK(answers.back().asked == 3);
   CHECK(answers.back().counted == 3);
+  CHECK(!rig.worker.busy());
   CHECK(rig.log->begun == 4);
 }
 
@@ -228,6 +231,7 @@ TEST_CASE("a worker that goes waits for nothing, and its thread tells nobody and
     std::this_thread::yield();
   CHECK(ready == 0);
   CHECK(log->begun == 1); // the piece in progress was the last
+  CHECK(log->last_acts == 1);
 }
 
 TEST_CASE("what waits to be taken is announced, as often as there is something new") {

@@ -9,13 +9,17 @@
 #include <utility>
 #include <vector>
 
-// DeviceWorker, the thread that opens and closes devices, with drivers that the tests control. They
+// DeviceWorker, whose thread opens and closes devices, with drivers that the tests control. They
 // are the list that tactus::devices::drivers() gives, so this file cannot be combined with others
 // into a namespace of its own.
 
 using namespace tactus;
+using phantom::DeviceJob;
+using phantom::DeviceLister;
 using phantom::DeviceWorker;
-using Answer = DeviceWorker::Answer;
+using phantom::DriverCalls;
+using Answer = DeviceJob::Answer;
+using Kind = Answer::Kind;
 
 namespace {
 
@@ -88,10 +92,27 @@ const devices::Driver kHindered{"hindered", "a test's",
                                 [] { return std::vector<devices::Found>{}; },
                                 [] { return std::unique_ptr<haptic::Backend>(); }};
 
+/// Waits for a condition, 20 s at most.
+template <class True> void until(True&& true_now) {
+  for (int n = 0; n < 20000 && !true_now(); ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(true_now());
+}
+
+/// The next answer of a worker.
+template <class AnyWorker> auto wait(AnyWorker& worker) {
+  auto taken = worker.take();
+  until([&] { return taken.answer || (taken = worker.take()).answer; });
+  REQUIRE(taken.answer);
+  return std::move(*taken.answer);
+}
+
 struct Rig {
   std::atomic<int> called{0};
-  DeviceWorker worker{[this] { ++called; }}, lister{[] {}};
+  std::unique_ptr<DeviceWorker> worker = std::make_unique<DeviceWorker>([this] { ++called; });
+  DeviceLister lister{[] {}};
   std::shared_ptr<haptic::Backend> device = kPlanned.make();
+  std::uint64_t ticket = 0;
 
   Rig() {
     plan.failures = plan.opened = plan.closed = plan.busy_ms = plan.lists = plan.problems = 0;
@@ -100,28 +121,28 @@ struct Rig {
     for (Gate* gate : {&plan.opening, &plan.closing, &plan.reading, &plan.listing})
       gate->shut = false;
   }
-  static Answer wait(DeviceWorker& worker) {
-    for (int n = 0; n < 20000; ++n) {
-      if (auto answer = worker.take())
-        return std::move(*answer);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    FAIL("no answer");
-    return {};
+  void want_open(bool persists = false) {
+    CHECK(worker->request({++ticket, &kPlanned, device, persists}) == "");
   }
-  Answer wait() { return wait(worker); }
+  void want_closed() { CHECK(worker->request({++ticket}) == ""); }
+  Answer wait() const { return ::wait(*worker); }
   void open() {
-    CHECK(worker.open(kPlanned, device, 1) == "");
-    CHECK(wait().kind == Answer::Kind::kOpened);
+    want_open();
+    CHECK(wait().kind == Kind::kOpened);
   }
   void close() {
-    CHECK(worker.close(&kPlanned, {}, device) == "");
-    CHECK(wait().kind == Answer::Kind::kClosed);
+    want_closed();
+    until([this] { return !worker->busy(); });
+  }
+  /// Whether all threads end within that time, once the worker has gone.
+  bool finish(double seconds = 20) {
+    worker.reset();
+    return DriverCalls::join_all(seconds);
   }
   /// A servo on the opened device.
-  DeviceWorker::Session start() {
-    DeviceWorker::Session session{std::make_shared<phantom::ServoRig>(),
-                                  std::make_shared<devices::ServoThread>()};
+  DeviceJob::Session start() {
+    DeviceJob::Session session{std::make_shared<phantom::ServoRig>(),
+                               std::make_shared<devices::ServoThread>()};
     session.rig->device = device;
     session.rig->servo.attach(*device);
     haptic::Command push;
@@ -129,18 +150,11 @@ struct Rig {
     push.number = 1;
     push.heartbeat_s = devices::ServoThread::now_s() + 1e6;
     session.rig->servo.exchange().commands.write(push);
-    CHECK(worker.run(session, 1e-3, 1) == "");
-    CHECK(wait().kind == Answer::Kind::kRunning);
+    CHECK(worker->request({ticket, &kPlanned, device, false, session, 1e-3}) == "");
+    CHECK(wait().kind == Kind::kRunning);
     return session;
   }
 };
-
-/// Waits for a condition, 20 s at most.
-template <class True> void until(True&& true_now) {
-  for (int n = 0; n < 20000 && !true_now(); ++n)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  CHECK(true_now());
-}
 
 } // namespace
 
@@ -154,27 +168,28 @@ std::span<const Driver* const> drivers() noexcept {
 TEST_CASE("a device is opened in the worker's thread; success and refusal are one answer each") {
   Rig rig;
   plan.failures = 1;
-  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  rig.want_open();
   const Answer refused = rig.wait();
-  CHECK(refused.kind == Answer::Kind::kRefused);
+  CHECK(refused.kind == Kind::kRefused);
   CHECK(refused.sentence == "planned: not this time");
   rig.open();
   CHECK(rig.called == 2);
   rig.close();
-  CHECK(rig.worker.finish(20));
+  CHECK(rig.finish());
   CHECK(plan.closed == 1);
   CHECK_FALSE(plan.twice);
 }
 
 TEST_CASE("a lost device is opened again until that succeeds; the same trouble is reported once") {
   Rig rig;
+  rig.open();
   plan.failures = 3;
-  plan.open = true; // the device was open before it was lost
-  CHECK(rig.worker.reopen(kPlanned, {}, rig.device, 1) == "");
+  rig.want_open(true); // closes it first
   const Answer trouble = rig.wait();
-  CHECK(trouble.kind == Answer::Kind::kTrouble);
+  CHECK(trouble.kind == Kind::kTrouble);
   CHECK(trouble.sentence == "planned: not this time");
-  CHECK(rig.wait().kind == Answer::Kind::kOpened);
+  CHECK(rig.wait().kind == Kind::kOpened);
+  CHECK(plan.closed == 1);
   CHECK_FALSE(plan.twice);
   rig.close();
 }
@@ -182,9 +197,8 @@ TEST_CASE("a lost device is opened again until that succeeds; the same trouble i
 TEST_CASE("a list calls the drivers that are not in use; of others it lists the open devices") {
   Rig rig;
   const auto listed = [&](const char* state, int calls) {
-    CHECK(rig.lister.list() == "");
-    const Answer answer = Rig::wait(rig.lister);
-    CHECK(answer.kind == Answer::Kind::kListed);
+    CHECK(rig.lister.request({}) == "");
+    const auto answer = wait(rig.lister);
     REQUIRE(answer.found.size() == 1);
     CHECK(answer.found[0].identity.serial == "7");
     CHECK(answer.found[0].state == state);
@@ -204,75 +218,73 @@ TEST_CASE("a list calls the drivers that are not in use; of others it lists the 
 TEST_CASE("an opening waits for a list of the same driver") {
   Rig rig;
   plan.listing.shut = true;
-  CHECK(rig.lister.list() == "");
+  CHECK(rig.lister.request({}) == "");
   until([] { return plan.listing.waiting > 0; });
-  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  rig.want_open();
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   CHECK_FALSE(plan.open);
   plan.listing.shut = false;
-  CHECK(rig.wait().kind == Answer::Kind::kOpened);
+  CHECK(rig.wait().kind == Kind::kOpened);
 }
 
-TEST_CASE("an abandoned device is closed again, whenever abandon() is called") {
+TEST_CASE("a device that is not wanted any more is closed again, whenever that is said") {
   for (int wait_ms = 0; wait_ms < 12; ++wait_ms) {
     {
       Rig rig;
       plan.busy_ms = 5;
-      CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+      rig.want_open();
       std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-      rig.worker.abandon();
-      while (const auto answer = rig.worker.take())
-        if (answer->kind == Answer::Kind::kOpened)
-          CHECK(rig.worker.close(&kPlanned, {}, answer->device) == "");
-      CHECK(rig.worker.open(kPlanned, rig.device, 2) == "");
+      if (wait_ms % 2 == 0)
+        rig.want_closed();
+      rig.want_open();
       Answer answer = rig.wait();
-      while (answer.kind == Answer::Kind::kClosed)
+      while (answer.ticket != rig.ticket)
         answer = rig.wait();
-      CHECK(answer.ticket == 2);
+      CHECK(answer.kind == Kind::kOpened);
       CHECK(plan.open);
       CHECK_FALSE(plan.twice);
-      CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
-      CHECK(rig.worker.finish(20));
+      CHECK(rig.finish());
     }
     CHECK_FALSE(plan.open);
   }
 }
 
-TEST_CASE("finish() leaves nothing open") {
+TEST_CASE("a worker that goes leaves nothing open") {
   for (int wait_ms = 0; wait_ms < 8; ++wait_ms) {
     Rig rig;
     plan.busy_ms = 3;
     plan.failures = wait_ms % 2;
-    if (wait_ms % 3 == 0)
-      CHECK(rig.worker.reopen(kPlanned, {}, rig.device, 1) == "");
-    else
-      CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
-    CHECK(rig.worker.list() == "");
+    rig.want_open(wait_ms % 3 == 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-    CHECK(rig.worker.finish(20));
+    CHECK(rig.finish());
     CHECK_FALSE(plan.open);
   }
 }
 
-TEST_CASE("closing a session writes zero force last") {
-  Rig rig;
-  rig.open();
-  DeviceWorker::Session session = rig.start();
-  until([] { return plan.newest_force_n > 0.9; });
-  SUBCASE("that falls by its slew") {}
-  SUBCASE("that does not fall in time") {
-    haptic::ServoSettings slow;
-    slow.chain.slew_n_per_s = 1e-3;
-    session.rig->servo.exchange().settings.write(slow);
+TEST_CASE("closing a session writes zero force last, on request and when its worker goes") {
+  for (const auto& [slews, requested] : {std::pair(true, true), {true, false}, {false, true}}) {
+    const bool falls = slews, asked = requested; // a binding cannot be captured
+    CAPTURE(falls);
+    CAPTURE(asked);
+    Rig rig;
+    rig.open();
+    const DeviceJob::Session session = rig.start();
+    until([] { return plan.newest_force_n > 0.9; });
+    if (!falls) { // in time, by its slew
+      haptic::ServoSettings slow;
+      slow.chain.slew_n_per_s = 1e-3;
+      session.rig->servo.exchange().settings.write(slow);
+    }
+    session.rig->servo.exchange().motors.pause(true);
+    if (asked) {
+      rig.close();
+      CHECK(rig.worker->take().sentences.empty()); // it took the force
+      CHECK_FALSE(plan.open);
+    }
+    CHECK(rig.finish());
+    CHECK(plan.newest_force_n == 0.0);
+    CHECK_FALSE(plan.open);
   }
-  session.rig->servo.exchange().motors.pause(true);
-  CHECK(rig.worker.close(&kPlanned, session, rig.device) == "");
-  const Answer closed = rig.wait();
-  CHECK(closed.kind == Answer::Kind::kClosed);
-  CHECK(closed.released);
-  CHECK(plan.newest_force_n == 0.0);
-  CHECK_FALSE(plan.open);
-  CHECK(rig.worker.finish(20));
 }
 
 TEST_CASE(
@@ -286,26 +298,28 @@ TEST_CASE(
   {
     Rig rig;
     rig.open();
-    DeviceWorker::Session session = rig.start();
+    DeviceJob::Session session = rig.start();
     watched = session.rig;
     device = rig.device;
     gate->shut = true;
     if (gate == &plan.reading)
       until([&] { return gate->waiting > 0; });
     session.rig->servo.exchange().motors.pause(true);
-    CHECK(rig.worker.close(&kPlanned, std::exchange(session, {}), rig.device) == "");
+    session = {};
+    rig.want_closed();
     until([&] { return gate->waiting > 0; });
-    until([&] { return rig.worker.overdue(0.05) == "planned: closing the device"; });
-    CHECK(rig.worker.overdue(1e6) == "");
+    until([&] { return rig.worker->overdue(0.05) == "planned: closing the device"; });
+    CHECK(rig.worker->overdue(1e6) == "");
     // Another object that opens a device of this driver is refused after a while.
-    CHECK(rig.lister.open(kPlanned, kPlanned.make(), 1) == "");
-    const Answer refused = Rig::wait(rig.lister);
-    CHECK(refused.kind == Answer::Kind::kRefused);
+    DeviceWorker other{[] {}};
+    CHECK(other.request({1, &kPlanned, kPlanned.make()}) == "");
+    const Answer refused = wait(other);
+    CHECK(refused.kind == Kind::kRefused);
     CHECK(refused.sentence.find("an earlier call of this driver has not returned") !=
           std::string::npos);
-    CHECK_FALSE(rig.worker.finish(0.05));
     rig.device.reset();
-  } // the worker is destroyed without waiting
+    CHECK_FALSE(rig.finish(0.05)); // and nobody has waited
+  }
   CHECK_FALSE(watched.expired());
   CHECK_FALSE(device.expired());
   CHECK(plan.open);
@@ -315,22 +329,26 @@ TEST_CASE(
   CHECK(plan.closed > 0);
 }
 
-TEST_CASE("an abandoned opening is cancelled until it ends") {
+TEST_CASE("an opening that is not wanted any more is cancelled until it ends") {
   Rig rig;
   plan.opening.shut = plan.cancels = true;
-  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  rig.want_open();
   until([] { return plan.opening.waiting > 0; });
-  CHECK(rig.worker.overdue(0) == ""); // not abandoned yet
-  rig.worker.cancel_unwanted();
+  CHECK(rig.worker->overdue(0) == ""); // still wanted
+  rig.worker->cancel_unwanted();
   CHECK(plan.cancelled == 0);
-  rig.worker.abandon();
-  until([&] {
-    rig.worker.cancel_unwanted();
-    return !rig.worker.busy();
-  });
+  SUBCASE("by its worker") {
+    rig.want_closed();
+    until([&] {
+      rig.worker->cancel_unwanted();
+      return !rig.worker->busy();
+    });
+    CHECK_FALSE(plan.open);
+  }
+  SUBCASE("by the end of the program") {}
+  CHECK(rig.finish());
   CHECK(plan.cancelled > 0);
   CHECK_FALSE(plan.open);
-  CHECK(rig.worker.finish(20));
 }
 
 TEST_CASE("the end of the program waits for all workers together, not for each") {
@@ -339,15 +357,16 @@ TEST_CASE("the end of the program waits for all workers together, not for each")
   std::vector<std::unique_ptr<DeviceWorker>> workers;
   for (int i = 0; i < 5; ++i) {
     workers.push_back(std::make_unique<DeviceWorker>([] {}));
-    CHECK(workers.back()->open(kPlanned, kPlanned.make(), 1) == "");
+    CHECK(workers.back()->request({1, &kPlanned, kPlanned.make()}) == "");
   }
   until([] { return plan.opening.waiting == 5; });
+  workers.clear();
   const auto begun = std::chrono::steady_clock::now();
-  DeviceWorker::join_all(2);
+  CHECK_FALSE(DriverCalls::join_all(2));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
   CHECK(took.count() >= 2);
   CHECK(took.count() < 8); // each on its own: 10 s
   plan.opening.shut = false;
-  DeviceWorker::join_all(20);
+  CHECK(DriverCalls::join_all(20));
   CHECK_FALSE(plan.open);
 }
