@@ -216,8 +216,8 @@ void Phantom::collect(Host& host) {
                          host)) {
     switch_off();
     host.error(std::string(driver_name()) +
-               ": the host stood still for longer than the watchdog's time: no force until motors "
-               "1 (resume 1 lets it return by itself)");
+               ": the host froze for longer than the watchdog's time: no force until motors 1 "
+               "(with resume 1 it returns automatically)");
   }
   if (driver_)
     watch_device(host);
