@@ -22,15 +22,15 @@ class Row:
 
 
 ROWS = (
-    Row("the valve rests", "rest of θ and U (clarinet, trumpet, voice)", "static solution",
+    Row("the valve rests", "θ and U at rest (clarinet, trumpet, voice)", "static solution",
         (("r.theta.back() / state.theta", "%"), ("r.flow.back() / state.flow", "%"))),
     Row("a bore closed by its reed rings", "ring-down of the shut bore, L = 0.3 to 1 m",
         "poles of Y_in: frequency, decay", (("f / frequency - 1", "%"), ("/ decay - 1", "%"))),
-    Row("oscillation", "thresholds of 10 instruments", "linear theory: pressure, frequency",
+    Row("oscillation", "oscillation thresholds of 10 instruments", "linear theory: pressure, frequency",
         (("threshold - 1", "%"), ("f / start.frequency_hz", "%"))),
     Row("small", "growth rates near threshold", "linear theory",
         (("slope - rate_per_s", "1/s"),), "6 % or 0.3/s"),
-    Row("Raman", "Raman's plateaus, R₀ = 0.9, 0.95", "closed form: above, below",
+    Row("Raman", "pressure plateaus of Raman's model, R₀ = 0.9, 0.95", "closed form: upper, lower",
         (("median(above) / high", "%"), ("median(below) / low", "%"))),
     Row("playing states", "15 playing states", "the same equations at 768 kHz: pitch, p_b rms, harmonics",
         (("cents(f0, state.pitch_hz)", "cents"), ("rms(p) / state.rms_pa", "%"),
@@ -40,7 +40,7 @@ ROWS = (
     Row("playing without", "clarinet without inertance, 4 pressures",
         "OpenWInD 0.12, finite elements: pitch, p_b rms",
         (("cents(f0, pitch_hz)", "cents"), ("rms(bore) / rms_pa", "%"))),
-    Row("what theory", "6 states that theory calls stable, onset = 1", "silence after 3 s",
+    Row("what theory", "sound after 3 s in 6 states that theory calls stable, as a share of the onset", "silence",
         (("rms(end) < 1e-6 * loudest", ""),)),
     Row("two hundred", "200 random valves on a lossless bore",
         "energy gained in one step, as a share of the initial energy", (("worst < 1e-10", ""),)),
@@ -89,7 +89,7 @@ def main():
         sys.exit(f"{arguments.program} -tc=\"{cases}\" fails")
     checks = [(expression, float(value), float(bound))
               for expression, value, bound in CHECK.findall(done.stdout)]
-    print("| what | against | asserted | worst measured |\n|---|---|---|---|")
+    print("| quantity | reference | asserted limit | worst measured |\n|---|---|---|---|")
     for row in rows:
         print("| " + " | ".join([row.what, row.against, *cells(row, checks)]) + " |")
 
