@@ -17,6 +17,8 @@ ROOMS = {
     "externals": {"externals", "devices", "net", "files", "core"},
     "programs": {"programs", "externals", "fem", "devices", "net", "files", "core"},
 }
+# Parts of [phantom], from the bottom up: each may include those before it.
+PARTS = ("servo", "device", "force", "network", "scene", "output")
 # Headers in angle brackets, and the only files that may include them.
 HOMES = {
     "m_pd.h": r"pd/.*",
@@ -46,6 +48,9 @@ def wrong_in(room, path, text):
     for kind, header in INCLUDE.findall(text):
         if kind == '"':
             first = header.split("/")[0]
+            parts = [re.match(r"externals/phantom/(\w+)/", name) for name in (path, header)]
+            if all(parts) and PARTS.index(parts[1][1]) > PARTS.index(parts[0][1]):
+                yield f'{path} includes "{header}", a part above it'
             # A header without a folder, or one that CMake makes, lies beside its source.
             if "/" in header and first not in ROOMS[room]:
                 yield f'{path} includes "{header}": {room}/ may include {", ".join(sorted(ROOMS[room]))}'
@@ -95,6 +100,8 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
         "net/a.cpp": "#include <semaphore>\n",
         "externals/x/d.cpp": 'error("no such file in Pd\'s path"); // "of Pd"\nlog("Maximum in \\"all\\"");\n',
         "devices/c.cpp": '// "the Max shell"\nerror("in \\"Max\\"");\n',
+        "externals/phantom/servo/a.hpp": '#include "externals/phantom/device/a.hpp"\n',
+        "externals/phantom/output/a.hpp": '#include "externals/phantom/device/a.hpp"\n',
         "pd/a.cpp": 'error("tactus: Pd knows no such thing");\n',
         "programs/x/a.cpp": '#include "externals/x/a.hpp"\n#include "pd/shell.hpp"\n',
     }
@@ -109,7 +116,7 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
              ("externals/x/b.hpp", "max/abi"), ("max/shell/a.cpp", "pd/shell"), ("max/shell/a.cpp", "ext_obex"),
              ("programs/x/a.cpp", "pd/shell"), ("externals/x/c.hpp", "condition_variable_any"),
              ("devices/a.cpp", "memory_order"), ("net/a.cpp", "<semaphore>"),
-             ("externals/x/d.cpp", "Pd's path"), ("devices/c.cpp", "names no host")]
+             ("externals/phantom/servo/a.hpp", "above"), ("externals/x/d.cpp", "Pd's path"), ("devices/c.cpp", "names no host")]
     assert len(found) == len(words), found
     for name, word in words:
         assert any(name in sentence and word in sentence for sentence in found), (name, word)

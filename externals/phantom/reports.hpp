@@ -1,12 +1,10 @@
 #pragma once
 
-#include "core/object.hpp"
+#include "externals/phantom/words.hpp"
 
 #include <array>
 #include <cstddef>
 #include <initializer_list>
-#include <span>
-#include <string>
 #include <string_view>
 
 namespace tactus::phantom {
@@ -40,8 +38,8 @@ public:
     if (on_[tag])
       host.info(line);
   }
-  /// `report TAG 0|1`; a sentence when it is refused.
-  [[nodiscard]] std::string set(std::span<const Atom> words);
+  /// The message `report TAG 0|1`.
+  void set(Words words, Host& host);
 
 private:
   std::array<bool, kTags.size()> on_{false, false, false, true,  true,  false, true,

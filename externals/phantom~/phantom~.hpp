@@ -4,7 +4,7 @@
 #include "core/haptic/signal/signal_player.hpp"
 #include "core/rows.hpp"
 #include "devices/servo_thread.hpp"
-#include "externals/phantom/signal_link_name.hpp"
+#include "externals/phantom/output/signal_link_name.hpp"
 
 #include <array>
 #include <memory>

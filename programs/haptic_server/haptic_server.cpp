@@ -1,6 +1,6 @@
 // haptic_server: serves a haptic device over the network; docs/formats/haptic_protocol.md has the
 // protocol.
-#include "externals/phantom/trace.hpp"
+#include "externals/phantom/output/trace.hpp"
 #include "programs/device_options/interrupt.hpp"
 #include "programs/haptic_server/station.hpp"
 

@@ -1,6 +1,6 @@
 // One rule for what is a number (core/text.hpp), whoever reads it.
 #include "devices/driver.hpp"
-#include "externals/phantom/text.hpp"
+#include "externals/phantom/words.hpp"
 #include "files/mesh_file.hpp"
 #include "files/path_file.hpp"
 #include "files/recipe.hpp"

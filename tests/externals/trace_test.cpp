@@ -1,5 +1,5 @@
+#include "externals/phantom/output/trace.hpp"
 #include "externals/phantom/phantom.hpp"
-#include "externals/phantom/trace.hpp"
 #include "tests/externals/by_name.hpp"
 #include "tests/externals/recording_host.hpp"
 

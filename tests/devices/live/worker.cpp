@@ -1,4 +1,4 @@
-#include "externals/phantom/device_worker.hpp"
+#include "externals/phantom/device/device_worker.hpp"
 
 #include <doctest/doctest.h>
 

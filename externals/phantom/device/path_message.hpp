@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/haptic/device/path.hpp"
+#include "externals/phantom/words.hpp"
+
+#include <string>
+
+namespace tactus::phantom {
+
+/// The path of the message `path ...`, or the sentence that refuses it.
+struct PathChoice {
+  haptic::Path path{};
+  std::string refusal{};
+};
+[[nodiscard]] PathChoice choose_path(Words words, const Host& host);
+
+} // namespace tactus::phantom
