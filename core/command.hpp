@@ -12,21 +12,21 @@ namespace tactus {
 /// The word itself, or the number to 7 digits.
 [[nodiscard]] std::string text_of(const Atom& atom);
 
-/// One message: its selector, which is a name of the declaration, and its arguments.
+/// One message: a selector, which is a name of the declaration, and arguments.
 struct Command {
   std::string_view name;
   std::vector<Atom> arguments;
 };
 
-/// Splits creation arguments into commands: flags, `-name value ...` or `@name value ...`, each
-/// with as many values as its parameter or message takes, and before, between or after them
-/// positional arguments in the declaration's order. Positional ones become the first commands, so
-/// that flags refine them. Returns an error sentence when they are malformed, else an empty string.
+/// Splits creation arguments into commands. A flag is `-name value ...` or `@name value ...`, with
+/// as many values as its parameter or message takes. Positional arguments come before, between or
+/// after the flags, in the declaration's order. They become the first commands, so that flags
+/// refine them. Returns an error sentence if the arguments are malformed, else an empty string.
 [[nodiscard]] std::string creation_commands(const Declaration&, std::span<const Atom> given,
                                             std::vector<Command>& commands);
 
-/// Error sentence for a list to the first inlet of an object without a message `list`, when the
-/// list cannot be one number for each inlet from the left; else empty.
+/// For a list to the first inlet of an object without a message `list`: an error sentence if the
+/// list cannot be distributed from the left as one number per inlet; else empty.
 [[nodiscard]] std::string list_refusal(const Declaration&, std::span<const Atom> numbers);
 
 /// A command checked against the declaration: a new value of a parameter, a declared message, or
@@ -34,12 +34,12 @@ struct Command {
 struct Request {
   enum class Kind { kParameter, kMessage, kRefused };
   Kind kind;
-  std::size_t index = 0;    ///< of the parameter or message
-  double value = 0;         ///< of the parameter, within its range
+  std::size_t index = 0;    ///< index of the parameter or message
+  double value = 0;         ///< new value of the parameter, within its range
   std::string refusal = {}; ///< error sentence, if refused
 };
 
-/// Whether a message with these arguments may look for a file or an array of the host: one of its
+/// True if a message with these arguments may refer to a file or an array of the host: one of its
 /// words looks like a file's name, or the declaration says that a name follows.
 [[nodiscard]] bool names_file(const Message& message, std::span<const Atom> arguments);
 

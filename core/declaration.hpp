@@ -22,7 +22,7 @@ struct Parameter {
   std::string_view name;
   std::string_view unit; ///< SI; empty for pure numbers
   double initial;
-  double lowest, highest; ///< inclusive; a value outside is refused and the old one kept
+  double lowest, highest; ///< inclusive; a value outside is refused, and the old value stays
   std::string_view text;  ///< one line of documentation
   /// If not empty: the parameter takes one of these words, and its value is the word's index.
   std::span<const std::string_view> choices{};
@@ -58,7 +58,7 @@ struct Port {
 /// A message that does more than set one number, e.g. `reset`, `range 0 8000 80 900`.
 struct Message {
   std::string_view name;
-  std::string_view arguments;               ///< as shown in the help: "p_lo p_hi f_lo f_hi"
+  std::string_view arguments;               ///< names as the help shows them: "p_lo p_hi f_lo f_hi"
   std::size_t min_arguments, max_arguments; ///< number of arguments accepted
   std::string_view text;
   /// True if it allocates nothing, locks nothing and makes no system call, whatever its arguments:
@@ -71,8 +71,8 @@ struct Message {
   /// such a name. Read by names_file() (core/command.hpp) for hosts that look names up in one
   /// thread only.
   std::string_view name_behind{};
-  /// Function that carries it out in an object of the class `owner`. The number of arguments is an
-  /// accepted one; `row` is this message.
+  /// Function that carries it out in an object of the class `owner`. The number of arguments is
+  /// within the accepted range; `row` is this message.
   void (*run)(void* object, const Message& row, std::span<const Atom> arguments,
               Host& host) = nullptr;
   const char* owner = nullptr;
@@ -138,12 +138,13 @@ struct CreationArgument {
 inline constexpr std::string_view kInfoOutlet = "info";
 
 struct Declaration {
-  std::string_view name;        ///< as typed in a box: "greed~"
+  std::string_view name;        ///< name as typed in a box: "greed~"
   std::string_view title;       ///< half a line: "generalised pressure-controlled valve on a bore"
   std::string_view description; ///< one paragraph
   std::string_view keywords;
   std::span<const Port> inlets;
-  std::span<const Port> outlets; ///< the shell adds the info outlet at the right if it is not here
+  std::span<const Port> outlets; ///< the shell adds the info outlet at the right if it is not
+                                 ///< listed
   std::span<const Parameter> parameters;
   std::span<const Message> messages{};
   std::span<const CreationArgument> arguments{};

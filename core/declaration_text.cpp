@@ -35,7 +35,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// "closed, open or swing"
+/// The items of a list, as in "closed, open or swing".
 template <class List, class Text>
 std::string alternatives(const List& list, Text text, std::string_view last = " or ") {
   std::string sentence;
@@ -48,8 +48,8 @@ std::string alternatives(const List& list, Text text, std::string_view last = " 
 }
 
 /// The candidate that differs from the name by the fewest edits; empty if none is close. At most
-/// two edits, or one in words of up to four letters, since two turn a short word into nearly any
-/// other.
+/// two edits, or one in words of up to four letters, since two edits turn a short word into nearly
+/// any other.
 class Nearest {
 public:
   explicit Nearest(std::string_view name)
@@ -64,8 +64,8 @@ public:
 private:
   static constexpr std::size_t kShort = 4;
   std::string_view name_, nearest_{};
-  std::size_t min_distance_; // of the nearest so far; initially the first distance that is too
-                             // large
+  std::size_t min_distance_; // distance of the nearest candidate so far; initially the smallest
+                             // distance that is too large
 };
 
 std::string did_you_mean(std::string_view name) {

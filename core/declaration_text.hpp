@@ -18,7 +18,7 @@ namespace tactus {
 [[nodiscard]] std::optional<std::size_t> find_message(const Declaration&, std::string_view name);
 /// Whether the number is within the parameter's range and among its values, if it has some.
 [[nodiscard]] bool is_allowed(const Parameter&, double value);
-/// Index of the word among the parameter's choices, if it is one.
+/// Index of the word among the parameter's choices, if it is one of them.
 [[nodiscard]] std::optional<std::size_t> find_choice(const Parameter&, std::string_view word);
 
 /// Sentence for a refused value: "theta0 9 rad: expected -1..1", "type oval: expected closed, open
@@ -27,8 +27,8 @@ namespace tactus {
 /// Sentence for an unknown message: "no message 'presset'; did you mean 'preset'?", "no message
 /// 'bang'; there are preset, reset and tongue", "no message 'p_m'; it is inlet 1, a signal in Pa".
 [[nodiscard]] std::string unknown_name_text(const Declaration&, std::string_view name);
-/// Sentence for `get` of a name without a value: "get gian: nothing of that name; did you mean
-/// 'gain'?", "get reset: a message without a value; 'dump' shows all that have one".
+/// Sentence for `get` of a name without a value: "get gian: unknown name; did you mean 'gain'?",
+/// "get reset: a message has no value; 'dump' lists all values".
 [[nodiscard]] std::string no_answer_text(const Declaration&, std::string_view name);
 
 } // namespace tactus

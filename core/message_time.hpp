@@ -11,12 +11,12 @@ inline constexpr double kMessageTimePeriod_ms = 65536;
 
 /// The time in a message, ms: 0 to below 65536, also after rounding to a single float.
 [[nodiscard]] inline double message_time(double ms) noexcept {
-  constexpr double kHalfStep_ms = 1.0 / 512; // of a single float just below the period
+  constexpr double kHalfStep_ms = 1.0 / 512; // half a step of a single float just below the period
   const double time = ms - kMessageTimePeriod_ms * std::floor(ms / kMessageTimePeriod_ms);
   return time < kMessageTimePeriod_ms - kHalfStep_ms ? time : 0.0;
 }
 
-/// How much later than `before`, ms, -32768 to 32768.
+/// Time by which `ms` is later than `before`, ms, -32768 to 32768.
 [[nodiscard]] inline double message_time_since(double ms, double before) noexcept {
   const double later = ms - before;
   return later - kMessageTimePeriod_ms * std::floor(later / kMessageTimePeriod_ms + 0.5);

@@ -8,10 +8,11 @@
 
 /// Shares an object of one external with other externals by name. Externals are separate modules
 /// without common variables, so the host's symbol table carries the pointer: each shell defines
-/// PublishedObject and find_published() by it. Any thread but audio's.
+/// PublishedObject and find_published() with this table. Any thread but the audio thread may use
+/// them.
 namespace tactus {
 
-/// Publishes an object under a name until this is destroyed.
+/// Publishes an object under a name for as long as this PublishedObject exists.
 class PublishedObject {
 public:
   /// Null when the name is taken.
@@ -33,8 +34,8 @@ private:
 /// What one object publishes (Host::publish()).
 class PublishedObjects {
 public:
-  /// Null takes back what is published under the name. False when it is taken, or there is nothing
-  /// to take back.
+  /// Null withdraws what is published under the name. False if the name is taken, or if there is
+  /// nothing to withdraw.
   bool publish(std::string_view name, const std::shared_ptr<void>& what) {
     if (!what)
       return all_.erase(std::string(name)) > 0;

@@ -9,7 +9,7 @@ namespace tactus {
 namespace {
 
 constexpr std::size_t kMaxShown = 8;    // values
-constexpr std::size_t kMaxLength = 120; // of a word
+constexpr std::size_t kMaxLength = 120; // characters of a word
 
 /// Allocates nothing: the result of number_text() fits into a std::string's own buffer.
 void append(Sentence& sentence, const Atom& value) {

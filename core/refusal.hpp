@@ -18,9 +18,9 @@ struct ModeRanges {
   double min_frequency_hz, max_frequency_hz, min_t60_s, max_t60_s, min_gain, max_gain;
 };
 
-/// Why the values of a message `modes` are refused; empty if they are a frequency, a time and a
-/// gain of each mode, in range. Names the first wrong one: "modes: time 0 s of mode 2: expected
-/// 0.001..1000".
+/// Error sentence if the values of a message `modes` are refused; empty if they are a frequency, a
+/// time and a gain of each mode, in range. It names the first wrong value: "modes: time 0 s of mode
+/// 2: expected 0.001..1000".
 [[nodiscard]] Sentence modes_refusal(std::span<const Atom> given, const ModeRanges&);
 
 } // namespace tactus

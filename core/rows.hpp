@@ -48,7 +48,7 @@ template <class Value> constexpr Value value_of(double number) noexcept {
 }
 
 /// Makes rows from an Access, which gets and sets one number of an object. Access has Object,
-/// get(object), set(object, number) and, where it is constant, initial().
+/// get(object), set(object, number) and, if the initial value is constant, initial().
 template <class Access> struct Maker {
   static constexpr Parameter row(std::string_view name, std::string_view unit, double initial,
                                  double lowest, double highest, std::string_view text) {
@@ -58,33 +58,33 @@ template <class Access> struct Maker {
                                  double highest, std::string_view text) {
     return row(name, unit, Access::initial(), lowest, highest, text);
   }
-  /// One of these words.
+  /// A row whose value is one of these words.
   static constexpr Parameter row(std::string_view name, std::span<const std::string_view> choices,
                                  std::string_view text, double initial = Access::initial()) {
     Parameter made = row(name, "", initial, 0, static_cast<double>(choices.size() - 1), text);
     made.choices = choices;
     return made;
   }
-  /// One of these numbers, in ascending order.
+  /// A row whose value is one of these numbers, in ascending order.
   static constexpr Parameter row(std::string_view name, std::span<const double> values,
                                  std::string_view text) {
     Parameter made = row(name, "", values.front(), values.back(), text);
     made.values = values;
     return made;
   }
-  /// A switch.
+  /// A row whose value is a switch.
   static constexpr Parameter row(std::string_view name, std::string_view text,
                                  double initial = Access::initial()) {
     return row(name, "", initial, 0, 1, text);
   }
-  /// The parameter `seed`; the text names what it seeds.
+  /// A row for the parameter `seed`; the text names what it seeds.
   template <Literal text> static constexpr Parameter seed() {
     return with_access(seed_parameter<text>());
   }
 
-  /// The same; after a change of the value it also calls this function of the object.
+  /// A Maker whose rows also call this function of the object after a change of the value.
   template <auto function> static constexpr auto then() { return Maker<Then<function>>(); }
-  /// The same for a member in seconds (rad, m, ...) that the user sets in thousandths.
+  /// A Maker whose rows set a member in seconds (rad, m, ...) that the user gives in thousandths.
   static constexpr auto milli() { return Maker<Milli>(); }
 
 private:

@@ -26,9 +26,10 @@ namespace tactus {
   return text;
 }
 
-/// Reads the whole text as a number as C++ writes it ("3", "-0.5", "1e-3"); a plus and blanks may
-/// stand before it and blanks behind it. invalid_argument: it is none, or not finite;
-/// result_out_of_range: one that Number does not hold. `value` then stays as it is.
+/// Reads the whole text as a number in the notation of C++ ("3", "-0.5", "1e-3"). A plus sign and
+/// blanks may precede the number, and blanks may follow it. Returns invalid_argument if the text is
+/// not a finite number, and result_out_of_range if Number cannot hold it; `value` then stays as it
+/// is.
 template <class Number> std::errc read_number(std::string_view text, Number& value) noexcept {
   text = trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-"))
@@ -46,13 +47,13 @@ template <class Number> std::errc read_number(std::string_view text, Number& val
   value = found;
   return {};
 }
-/// The same number, or nothing.
+/// The number that read_number() reads; nothing if it fails.
 template <class Number = double>
 [[nodiscard]] std::optional<Number> to_number(std::string_view text) noexcept {
   Number value{};
   return read_number(text, value) == std::errc{} ? std::optional(value) : std::nullopt;
 }
-/// The same, within a range.
+/// The number, if it is within a range; else nothing.
 template <class Number>
 [[nodiscard]] std::optional<Number> to_number(std::string_view text, Number low,
                                               Number high) noexcept {
@@ -108,7 +109,7 @@ private:
   std::string_view line_, separators_;
 };
 
-/// All of them.
+/// All words of a line.
 [[nodiscard]] std::vector<std::string_view> split_words(std::string_view line,
                                                         std::string_view separators = {});
 

@@ -51,7 +51,8 @@ struct PointView {
 /// Sums over modes that are computed ahead.
 struct Prediction {
   double free = 0; ///< free mean velocity of the point in the next step, m/s
-  double base = 0; ///< the same in the step after that, without the force of the next step, m/s
+  double base = 0; ///< free mean velocity in the step after the next, without the force of the next
+                   ///< step, m/s
 };
 
 /// Inputs and outputs of several samples in a row in which only one exciter acts on the body.
@@ -60,7 +61,8 @@ struct SampleBatch {
   const double* normal; ///< normal force, N; friction only
   double* output;       ///< velocity at the pickup, m/s; null: not computed
   double* force;        ///< mean contact force of each sample, N; null: not computed
-  const double *pickup_real, *pickup_imaginary; ///< velocity at the pickup per state
+  const double *pickup_real, *pickup_imaginary; ///< weights of the state in the velocity at the
+                                                ///< pickup
   std::size_t count;                            ///< samples
 };
 
@@ -71,10 +73,10 @@ public:
   virtual ~BodyKernel() = default;
   /// A step without forces.
   virtual void ring(const ModesView&) const noexcept = 0;
-  /// The same; returns dots() of the pickup's arrays and the state after it.
+  /// A step without forces. Returns dots() of the pickup's arrays and the state after the step.
   virtual double ring_with_output(const ModesView&, const double* pickup_real,
                                   const double* pickup_imaginary) const noexcept = 0;
-  /// The sums that advance_contact() starts with, from the state.
+  /// Computes the sums that advance_contact() starts with, from the state.
   [[nodiscard]] virtual Prediction predict(const ModesView&, const PointView&) const noexcept = 0;
   /// Advances a body with one near exciter by up to batch.count samples.
   /// Returns the number of samples done. It stops early after a sample that requires a new
@@ -83,12 +85,12 @@ public:
                                       Steps, const SampleBatch&) const noexcept = 0;
   /// mean[i] = mean velocity of mode i in a step under these forces.
   virtual void mean(const ModesView&, std::span<const PointForce>, double* mean) const noexcept = 0;
-  /// The same without forces.
+  /// mean[i] = mean velocity of mode i in a step without forces.
   virtual void free_mean(const ModesView&, double* mean) const noexcept = 0;
   /// Advances the state by a step under these forces.
   virtual void advance(const ModesView&, std::span<const PointForce>) const noexcept = 0;
   /// Marks the contacts that are about to end, or whose energy no longer fits their step length h.
-  /// `measure`: recompute their depths from the positions of mass and surface first.
+  /// With `measure`, it first recomputes their depths from the positions of mass and surface.
   virtual void check_pressed(std::span<PressedBlock>, const double* real, const double* imaginary,
                              bool measure, double h) const noexcept = 0;
   /// Advances the contacts by a step of one sample, from one state of the modes to another; both
@@ -113,7 +115,7 @@ public:
                                         std::size_t padded) const noexcept = 0;
 };
 
-/// The implementation for the widest set up to this one that the processor runs.
+/// The implementation for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] const BodyKernel* body_kernel(simd::VectorSet widest) noexcept;
 [[nodiscard]] const BodyKernel* body_kernel(simd::Baseline) noexcept;
 [[nodiscard]] const BodyKernel* body_kernel(simd::Avx2) noexcept;

@@ -8,8 +8,8 @@
 
 /// BodyKernel, written once for any instruction set. The set is a template parameter, so the linker
 /// cannot use code for a newer processor in place of code for an older one. No operations are
-/// fused, and sums run over eight lanes and then across these in one order. So every set gives the
-/// same bits.
+/// fused, and sums run over eight lanes, then across the lanes in a fixed order. So every set gives
+/// the same bits.
 namespace tactus::contact {
 
 /// Vectors of a set, and a group of kModeLanes numbers in them.
@@ -112,8 +112,9 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
           sums(batch.pickup_real, m.real, batch.pickup_imaginary, m.imaginary, m.padded);
   }
 
-  /// Samples of an impact.
-  // One piece: the state of mass and contact stays in registers over all steps of the batch.
+  /// Advances an impact by the samples of a batch.
+  // One function, so that the state of mass and contact stays in registers over all steps of the
+  // batch.
   template <bool compliant>
   [[gnu::always_inline]] static std::size_t
   strike(const ModesView& m, const PointView& contact_point, Prediction& prediction, Exciter& e,
@@ -184,7 +185,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     return done;
   }
 
-  /// Samples of friction; `rough`: with its random part.
+  /// Advances friction by the samples of a batch; with the random part of the force if `rough`.
   template <bool rough>
   [[gnu::always_inline]] static std::size_t rub(const ModesView& m, const PointView& contact_point,
                                                 Prediction& prediction, Exciter& e, Steps steps,

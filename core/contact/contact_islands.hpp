@@ -12,7 +12,7 @@ namespace tactus::contact {
 /// can be solved separately.
 class Islands {
 public:
-  /// Ranges of one island's contacts and modes in the lists of all.
+  /// Ranges of one island in the lists of the contacts and modes of all islands.
   struct Island {
     std::size_t first_slot = 0, slots = 0, first_mode = 0, modes = 0;
   };
@@ -34,7 +34,7 @@ public:
 
 private:
   friend class PointModes;
-  std::vector<Island> islands_; ///< in the order of their first contacts
+  std::vector<Island> islands_; ///< islands in the order of their first contacts
   std::vector<std::size_t> slots_;
   std::vector<std::uint32_t> modes_;
 };
@@ -59,9 +59,9 @@ private:
 
   static constexpr std::uint32_t kNone = ~0U;
   std::vector<std::vector<std::uint32_t>> modes_;
-  std::vector<std::uint32_t> owner_;  ///< by mode: a contact that moves it
-  std::vector<std::uint32_t> parent_; ///< by contact: its parent in the union-find forest
-  std::vector<std::uint32_t> island_; ///< by contact
+  std::vector<std::uint32_t> owner_;  ///< by mode: index of a contact that moves it
+  std::vector<std::uint32_t> parent_; ///< by contact: index of its parent in the union-find forest
+  std::vector<std::uint32_t> island_; ///< by contact: index of its island
 };
 
 } // namespace tactus::contact

@@ -41,7 +41,7 @@ void ContactSystem::solve_one() noexcept {
   t.solve(coupling(acting_[0], acting_[0]) + t.own_mobility);
 }
 
-/// Two contacts by elimination; the pivots are those of solve_acting().
+/// Solves for two contacts by elimination, with the pivots of solve_acting().
 void ContactSystem::solve_two() noexcept {
   ContactTerm &a = (*this)[acting_[0]], &b = (*this)[acting_[1]];
   const double y = coupling(acting_[1], acting_[0]);
@@ -60,8 +60,9 @@ void ContactSystem::solve_two() noexcept {
 }
 
 /// With S = diag(sqrt(slope)) the velocities solve (1 + S Y S) S v = S (free - Y offset), and the
-/// forces solve (1 + S Y S) F/S = offset/S + S free. Both are solved for, so that neither is a
-/// small difference of large numbers. The eigenvalues of the matrix are at least 1.
+/// forces solve (1 + S Y S) F/S = offset/S + S free. Both systems are solved, so that neither the
+/// velocities nor the forces are small differences of large numbers. The eigenvalues of the matrix
+/// are at least 1.
 void ContactSystem::solve_acting(std::size_t contacts) noexcept {
   if (acting_.size() == 1)
     return solve_one();

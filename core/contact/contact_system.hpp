@@ -28,7 +28,7 @@ public:
   };
   /// Selects the system that all other functions refer to.
   void select(const Block& block) noexcept { block_ = block; }
-  /// Selects one system of up to max_contacts.
+  /// Selects a single system of up to max_contacts contacts.
   void select_all() noexcept { block_ = {0, 0, stride_}; }
 
   /// Term of a contact of the selected system.

@@ -19,7 +19,7 @@ struct DenseView {
 
 /// Weights of DenseKernel::add_column().
 struct ColumnWeights {
-  const double* row; ///< one a row
+  const double* row; ///< one weight per row
   double column;
   double sum;
 };
@@ -42,7 +42,7 @@ public:
                           std::size_t padded) const noexcept = 0;
 };
 
-/// The implementation for the widest set up to this one that the processor runs.
+/// The implementation for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] const DenseKernel* dense_kernel(simd::VectorSet widest) noexcept;
 [[nodiscard]] const DenseKernel* dense_kernel(simd::Baseline) noexcept;
 [[nodiscard]] const DenseKernel* dense_kernel(simd::Avx2) noexcept;

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-/// DenseKernel, written once for any instruction set. Every element is summed over columns in the
-/// same order, or over eight lanes and then across these. So every set gives the same bits.
+/// DenseKernel, written once for any instruction set. Every sum runs over the columns in the same
+/// order, or over eight lanes and then across the lanes. So every set gives the same bits.
 namespace tactus::contact {
 
 template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
@@ -20,7 +20,7 @@ template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
     return row / kModeLanes * kModeLanes;
   }
 
-  /// Subtracts the contributions of the columns before from 8 `Groups` rows of one column.
+  /// Subtracts the contributions of the earlier columns from 8 x `Groups` rows of one column.
   template <std::size_t Groups>
   [[gnu::always_inline]] static void reduce(const DenseView& m, std::size_t row,
                                             std::size_t column) noexcept {

@@ -7,8 +7,8 @@
 
 /// Powers, exponentials and logarithms from + - * / and square roots only. The results are
 /// bit-identical on every platform, because no call goes to the platform's mathematical library.
-/// Everything is always inline: source files compiled for newer instruction sets use it too, and
-/// must not emit a shared copy.
+/// All functions are always inline, because source files compiled for newer instruction sets use
+/// them too and must not emit a shared copy.
 namespace tactus::contact {
 
 /// x clamped to [-limit, limit]; 0 for NaN.
@@ -62,7 +62,8 @@ public:
     if (quarters <= 5 && quarters == std::floor(quarters))
       quarters_ = static_cast<int>(quarters);
   }
-  /// x^e for x > 0. Hertz' and other common contacts have quarter powers: these take roots.
+  /// x^e for x > 0. Hertz' contact and other common ones have a multiple of 1/4 as exponent, which
+  /// takes only square roots.
   [[nodiscard, gnu::always_inline]] double operator()(double x) const noexcept {
     switch (quarters_) {
     case 0:
@@ -90,8 +91,8 @@ private:
   int quarters_ = -1;
 };
 
-/// x^e for an x that changes little from call to call. While x stays within 1/16 of the anchor
-/// (the x of the last full evaluation) the binomial series about the anchor is used, six terms.
+/// x^e for an x that changes little from call to call. While x stays within 1/16 of the anchor (the
+/// x of the last full evaluation) six terms of the binomial series about the anchor are used.
 /// Relative error below 1e-9 for 0 <= e <= 5/2.
 class TaylorPower {
 public:

@@ -40,7 +40,7 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
   compute_step_lengths();
   near_slots_.reserve(exciters);
   forces_.reserve(exciters);
-  const std::size_t unknowns = std::min(exciters, max_modes); // of solve_by_mode()
+  const std::size_t unknowns = std::min(exciters, max_modes); // unknowns of solve_by_mode()
   matrix_ = ModeArray(unknowns * whole_lanes(unknowns));
   right_ = other_ = ModeArray(unknowns);
   for (std::size_t i = 0; i < exciters; ++i)
@@ -116,7 +116,7 @@ void ExcitedBody::store_depths() noexcept {
     store_depth(i);
 }
 
-/// After the body has changed: places every mass at its penetration before.
+/// After the body has changed: restores the penetration of every mass.
 void ExcitedBody::restore_depths() noexcept {
   for (std::size_t i = 0; i < exciters_.size(); ++i)
     compute_point(i);
@@ -284,8 +284,8 @@ void ExcitedBody::set_min_steps(unsigned steps) noexcept {
     ++min_level_;
 }
 
-/// For one or two modes the sum runs over these alone. It has the bits of the sum over all modes,
-/// whose other terms are 0.
+/// If a force at the point moves only one or two modes, the sum runs over these alone. The result
+/// has the bits of the sum over all modes, because the other terms are 0.
 double ExcitedBody::surface(std::size_t slot) const noexcept {
   if (!ringing_)
     return 0;

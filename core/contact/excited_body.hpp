@@ -21,19 +21,19 @@ namespace tactus::contact {
 /// The body is a list of modes (ModalBody). Each exciter has a slot, a contact point (the shape of
 /// the modes there) and a law (ImpactLaw or FrictionLaw). step() advances everything by one sample.
 ///
-/// Contacts near the surface are divided into islands that share no mode (Islands). Separate bodies
-/// in one list of modes are islands, as are bodies that do not touch at the moment. Each island is
+/// Contacts near the surface are divided into islands that share no mode (Islands). For example,
+/// bodies in one list of modes that do not touch at the moment are separate islands. Each island is
 /// solved separately, in steps of its own length. Modes that no contact moves advance once a
 /// sample.
 ///
-/// All contacts of an island's step are solved together (ContactSystem); friction's second stage
-/// solves once more. The system has one unknown per contact, or one per mode if there are fewer
-/// modes than contacts. Sums over contacts run in an order that depends on the properties of the
-/// contacts and not on their slots: contacts that swap slots give the same bits.
+/// All contacts of an island's step are solved together (ContactSystem); the second stage of
+/// friction solves the system once more. The system has one unknown per contact, or one per mode if
+/// there are fewer modes than contacts. Sums over contacts run in an order that depends on the
+/// properties of the contacts and not on their slots: contacts that swap slots give the same bits.
 ///
 /// Steps are 1, 1/2, ... 1/64 of a sample, as the stiffest contact of the island needs. A contact
-/// too short even for 1/64 is an impulse with the restitution of its law. Simultaneous impulses are
-/// solved together and never add energy.
+/// too short even for 1/64 of a sample becomes an impulse with the restitution of its law.
+/// Simultaneous impulses are solved together and never add energy.
 ///
 /// Lengths in m, forces in N, times in s; positive velocities and forces point into the body. All
 /// functions but the constructor are safe on the audio thread. A slot, pickup or mode out of range
@@ -53,7 +53,7 @@ public:
   /// Shape of the modes at an exciter's contact point: displacement there per modal displacement.
   /// Missing numbers are 0. Initially all 1.
   void set_contact_shape(std::size_t exciter, std::span<const double> shape) noexcept;
-  /// The same for a pickup.
+  /// Shape of the modes at a pickup, as in set_contact_shape().
   void set_pickup(std::size_t pickup, std::span<const double> shape) noexcept;
 
   /// Makes the exciter a free mass. Changing the law or the mass during contact adds no energy.
@@ -65,15 +65,15 @@ public:
 
   /// Puts an impact's mass `gap_m` above the surface, with this velocity into the body.
   void launch_mass(std::size_t exciter, double gap_m, double velocity_m_per_s) noexcept;
-  /// External force on an impact's mass, until changed.
+  /// External force on an impact's mass, which stays until it is changed.
   void set_mass_force(std::size_t exciter, double force_n) noexcept;
-  /// Normal force and velocity of a rubbing surface, until changed.
+  /// Normal force and velocity of a rubbing surface, which stay until they are changed.
   void rub(std::size_t exciter, double normal_force_n, double velocity_m_per_s) noexcept;
   /// Seeds the noise of a rough friction.
   void seed(std::size_t exciter, std::uint64_t seed) noexcept;
   /// Impulse on the body at the exciter's contact point, at once.
   void apply_impulse(std::size_t exciter, double impulse_ns) noexcept;
-  /// Smallest number of steps a sample: 1, 2, 4 ... 64.
+  /// Smallest number of steps per sample: 1, 2, 4 ... 64.
   void set_min_steps(unsigned steps) noexcept;
 
   /// Advances by one sample.
@@ -112,7 +112,7 @@ public:
   void reset() noexcept;
 
 private:
-  static constexpr std::size_t kMaxWork = std::size_t{1} << 17; ///< multiplications a sample
+  static constexpr std::size_t kMaxWork = std::size_t{1} << 17; ///< multiplications per sample
   static constexpr std::uint64_t kFlushPeriod = 64;             ///< samples
   void compute_step_lengths() noexcept;
   void store_depth(std::size_t exciter) noexcept;
@@ -241,7 +241,7 @@ private:
               next_mean_real.data() + mode, next_mean_imaginary.data() + mode};
     }
   };
-  PointMemory point_memory_; ///< of the only exciter that is near
+  PointMemory point_memory_; ///< memory of the only exciter that is near
   PointView point_view_{};
   Prediction prediction_;
   bool predicted_ = false;    ///< prediction_ belongs to the current state
@@ -253,13 +253,15 @@ private:
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, min_level_ = 0, coarse_count_ = 0, near_ = 0;
   std::uint64_t clock_ = 0;
-  /// Slots in use and awake, single contacts excluded; and those of them that are near.
+  /// order_: slots in use and awake, without single contacts. near_slots_: those of order_ that are
+  /// near the surface.
   std::vector<std::size_t> order_, near_slots_;
-  std::vector<char> same_as_previous_; ///< by index in order_: differs at most in its drive
-  ContactSystem system_;               ///< of one step, by index in near_slots_
+  std::vector<char> same_as_previous_; ///< by index in order_: differs from the exciter before it
+                                       ///< at most in its drive
+  ContactSystem system_;               ///< system of one step, by index in near_slots_
   std::vector<PointForce> forces_;
-  ModeArray matrix_, right_, other_;  ///< of solve_by_mode()
-  std::vector<const double*> shapes_; ///< of the contacts of a Group
+  ModeArray matrix_, right_, other_;  ///< arrays of solve_by_mode()
+  std::vector<const double*> shapes_; ///< shapes of the contacts of a Group
 
   PointModes point_modes_;
   /// A single contact is alone in its island and moves at most this many modes.
@@ -270,17 +272,17 @@ private:
     std::array<std::uint32_t, kFewModes> mode{};
     std::array<double, kFewModes> shape{};
   };
-  Islands in_use_;             ///< of all exciters in use
-  Islands islands_;            ///< of the near exciters, single contacts excluded
+  Islands in_use_;             ///< islands of all exciters in use
+  Islands islands_;            ///< islands of the near exciters, single contacts excluded
   bool islands_valid_ = false; ///< islands_ belongs to near_slots_
-  bool range_known_ = false;   ///< the next three belong to near_slots_
+  bool range_known_ = false;   ///< the next three members belong to near_slots_
   bool one_range_ = true;      ///< near_slots_ are one island, with modes close together
-  std::size_t range_first_ = 0, range_end_ = 0; ///< its modes, multiples of kModeLanes
+  std::size_t range_first_ = 0, range_end_ = 0; ///< its range of modes, in multiples of kModeLanes
   bool single_range_ = true;                    ///< one_range_, and no single contact is near
   std::size_t active_modes_ = 0;                ///< modes that vibrate (ModalBody::set_modes())
   std::size_t used_ = 0;                        ///< exciters in use
-  /// Single contacts in use; those of them that are awake and not in pressed_; those of these that
-  /// are near.
+  /// single_: single contacts in use. single_awake_: those of single_ that are awake and not in
+  /// pressed_. single_near_: those of single_awake_ that are near.
   std::vector<std::size_t> single_, single_awake_, single_near_;
   PressedContacts pressed_;         ///< sustained single contacts on one mode
   std::vector<std::size_t> sorted_; ///< slots in use, single contacts excluded
@@ -289,14 +291,14 @@ private:
   std::size_t share_ = kMaxWork; ///< multiplications that the fine steps of an island may take
   /// Part of an island in the packed arrays: its modes contiguously, and its contacts' shapes.
   struct Packed {
-    std::size_t at = 0;        ///< first number
+    std::size_t at = 0;        ///< index of its first number
     std::size_t skip = 0;      ///< leading lanes that hold no mode of the island
     std::size_t lanes = 0;     ///< numbers, a multiple of kModeLanes
-    std::size_t shapes_at = 0; ///< first number of the shapes
-    std::size_t level = 0;     ///< of the coefficients
+    std::size_t shapes_at = 0; ///< index of the first number of its shapes
+    std::size_t level = 0;     ///< level of the coefficients
     ContactSystem::Block block{};
     bool ready = false, in_body = false; ///< in_body: the state stays in the body's arrays
-    PointView point{};                   ///< of the contact, if it is the only one
+    PointView point{};                   ///< view of the contact, if it is the only one
     Prediction prediction{};
     bool predicted = false;
   };
@@ -317,7 +319,8 @@ private:
   };
   std::vector<Sleep> sleep_;               ///< by exciter
   std::vector<std::size_t> island_of_;     ///< by exciter: its island in in_use_
-  std::vector<std::uint64_t> sleep_until_; ///< by island in in_use_: clock_; 0: awake
+  std::vector<std::uint64_t> sleep_until_; ///< by island in in_use_: clock_ at which it wakes; 0:
+                                           ///< awake
   bool awake_changed_ = false;
 };
 

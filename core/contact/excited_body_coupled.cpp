@@ -46,7 +46,7 @@ void ExcitedBody::step_coupled(const Group& group) noexcept {
     forces_.clear();
     for (const std::size_t c : system_.acting())
       forces_.push_back({shapes_[c], system_[c].force});
-    if (forces_.size() < count) // velocities of the contacts without force
+    if (forces_.size() < count) // some contacts have no force: find their velocities
       kernel_->mean(modes, forces_, mean_.data());
     kernel_->advance(modes, forces_);
     for (std::size_t c = 0; c < count; ++c) {
@@ -74,7 +74,7 @@ void ExcitedBody::solve(const Group& group) noexcept {
 /// Solution for more contacts than modes. The unknowns are the changes d of the modes' mean
 /// velocities. Each contact's force is eliminated: with its shape g and the exciter's mobility y_e,
 ///     F = (offset + slope (free - g.d))/(1 + slope y_e).
-/// With the modes' mobilities y there remains
+/// With the modes' mobilities y this leaves
 ///     d/y + sum g (g.d) slope/(1 + slope y_e) = sum g (offset + slope free)/(1 + slope y_e).
 void ExcitedBody::solve_by_mode(const Group& group, std::span<const std::size_t> acting) noexcept {
   const std::size_t count = group.mode_count, stride = group.modes.padded;
@@ -104,10 +104,10 @@ void ExcitedBody::solve_by_mode(const Group& group, std::span<const std::size_t>
   }
 }
 
-/// Simultaneous contacts that are too short for steps. Alone, each would have the impulse
-/// J = (1 + e) v/A, v its rate of approach, A its mobility for impulses. Together they have theta J
-/// with theta = min(1, (1 + e_min) J.v/(J.A J)): the energy then changes by
-/// dE = -theta J.v + theta^2 J.A J/2 <= 0. Repeated while contacts still approach.
+/// Simultaneous contacts that are too short for steps. Alone, each would have the impulse J = (1 +
+/// e) v/A, v its rate of approach, A its mobility for impulses. Together they have theta J with
+/// theta = min(1, (1 + e_min) J.v/(J.A J)): the energy then changes by dE = -theta J.v + theta^2
+/// J.A J/2 <= 0. This is repeated while contacts still approach.
 void ExcitedBody::solve_impulses(const Group& group) noexcept {
   const double h = step_s_[group.level];
   const ModesView& m = group.modes;
@@ -115,13 +115,13 @@ void ExcitedBody::solve_impulses(const Group& group) noexcept {
   const auto velocity_at = [&](std::size_t c) {
     return kernel_->velocity(shapes_[c], m.real, m.imaginary, m.decay_over_omega, padded);
   };
-  for (std::size_t c = 0; c < count; ++c) { // velocity of approach now
+  for (std::size_t c = 0; c < count; ++c) { // current velocity of approach
     Exciter& e = exciters_[group.slots[c]];
     if (e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching())
       e.approach_m_per_s = e.velocity_m_per_s - velocity_at(c);
   }
   for (int iteration = 0; iteration < kImpulseIterations; ++iteration) {
-    double work = 0, mass_term = 0, min_restitution = 1; // J.v; sum of J^2/mass
+    double work = 0, mass_term = 0, min_restitution = 1; // work: J.v; mass_term: sum of J^2/mass
     std::fill_n(mean_.data(), padded, 0.0);
     bool any = false;
     for (std::size_t c = 0; c < count; ++c) {

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-/// Samples with several islands of contacts, each in steps of its own. First all modes advance
-/// freely by a sample. Then each island starts from the state before the sample and overwrites the
-/// modes that it moves.
+/// Advances a body with several islands of contacts by a sample. Each island has steps of its own
+/// length. First all modes advance freely by a sample. Then each island starts from the state
+/// before the sample and overwrites the modes that it moves.
 namespace tactus::contact {
 namespace {
 
-constexpr std::size_t kContactWork = 64; // multiplications that take as long as a contact's law
+constexpr std::size_t kContactWork = 64; // number of multiplications that take as long as a
+                                         // contact's law
 
 bool contiguous(std::span<const std::uint32_t> modes) noexcept {
   return !modes.empty() && modes.back() - modes.front() + 1 == modes.size();
@@ -20,7 +21,8 @@ void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray
     to[modes[k]] = from[k];
 }
 
-/// Copies the modes' numbers behind the `skip` leading lanes; the other lanes get `elsewhere`.
+/// Copies the numbers of the modes to the lanes behind the first `skip` lanes; all other lanes get
+/// the value `elsewhere`.
 void gather_lanes(std::span<const std::uint32_t> modes, std::size_t skip, const double* from,
                   double elsewhere, std::span<double> lanes) noexcept {
   double* const destination = lanes.data() + skip;
@@ -122,8 +124,8 @@ void ExcitedBody::assign_packed_ranges() noexcept {
 
 /// Prepares an island as if no other modes existed: gathers its modes contiguously. If they are
 /// contiguous in the body and `in_body` is true (the body's arrays hold the state before the
-/// sample), the state stays in the body's arrays. Modes of others in the same group of lanes then
-/// have the pole 1 and no force, so that nothing changes them.
+/// sample), the state stays in the body's arrays. Modes of other islands in the same group of lanes
+/// then have the pole 1 and no force, so that nothing changes them.
 ExcitedBody::Group ExcitedBody::pack(std::size_t island, std::size_t level_index,
                                      bool in_body) noexcept {
   Packed& p = packed_[island];
@@ -188,15 +190,17 @@ std::size_t ExcitedBody::island_work(std::size_t island) const noexcept {
   return k.slots == 1 ? kContactWork + 2 * k.modes : work(k.slots, k.modes);
 }
 
-/// The finest level, up to `level`, whose steps fit into share_ if one takes this work.
+/// The finest level, up to `level`, whose steps together take at most share_ multiplications, if
+/// one step takes `work`.
 std::size_t ExcitedBody::affordable_level(std::size_t work, std::size_t level) const noexcept {
   while (level > 0 && (work << level) > share_)
     --level;
   return level;
 }
 
-/// Limits the work of a sample to kMaxWork for all fine steps together. While it is exceeded, the
-/// islands that cost most get coarser steps. The result does not depend on the islands' order.
+/// Limits the work of a sample to kMaxWork for all fine steps together. While the sum exceeds
+/// kMaxWork, the islands that take most of it get coarser steps. The result does not depend on the
+/// islands' order.
 void ExcitedBody::distribute_work() noexcept {
   share_ = kMaxWork;
   if (std::all_of(near_slots_.begin(), near_slots_.end(),

@@ -3,12 +3,13 @@
 #include <cmath>
 #include <vector>
 
-/// Single contacts: alone in their island, on at most kFewModes modes. Scalar code, all in
-/// registers.
+/// Single contacts: each is alone in its island, on at most kFewModes modes. The code is scalar and
+/// keeps all values in registers.
 namespace tactus::contact {
 namespace {
 
-/// The step's force and mean approach velocity; no force where the contact does not act.
+/// Computes the step's force and mean approach velocity; the force is 0 if the contact does not
+/// act.
 void solve_single_force(ContactTerm& t, double mobility) noexcept {
   t.force = 0;
   t.mean = t.free;
@@ -30,9 +31,9 @@ struct ExcitedBody::SingleMode {
   double shape, real, imaginary;
 };
 
-/// A sample of an impact in contact on one mode, in one step and without compliance. It has the
-/// bits of step_single(), in fewer instructions. Returns false, and does nothing, for other
-/// contacts.
+/// Advances an impact in contact on one mode by a sample, in one step and without compliance. The
+/// result has the bits of step_single() and takes fewer instructions. For other contacts it returns
+/// false and does nothing.
 bool ExcitedBody::step_single_impact(std::size_t slot) noexcept {
   Exciter& e = exciters_[slot];
   const FewModes& few = few_[slot];
@@ -77,7 +78,7 @@ bool ExcitedBody::step_single_impact(std::size_t slot) noexcept {
   return true;
 }
 
-/// A contact too short for steps: an impulse with the restitution of its law (see
+/// Gives a contact too short for steps an impulse with the restitution of its law (see
 /// solve_impulses()).
 void ExcitedBody::solve_single_impulse(Exciter& e, std::span<const std::uint32_t> modes,
                                        SingleMode* state, double h) const noexcept {
@@ -98,7 +99,7 @@ void ExcitedBody::solve_single_impulse(Exciter& e, std::span<const std::uint32_t
   e.approach_m_per_s = e.mean_velocity_m_per_s = -restitution_coefficient * rate;
 }
 
-/// A sample of a single contact.
+/// Advances a single contact by a sample.
 void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcept {
   Exciter& e = exciters_[slot];
   const ModalBody::Level& level = body_.level(level_index);
@@ -157,7 +158,7 @@ void ExcitedBody::update_pressed(bool measure) noexcept {
   pressed_.for_each_marked([this](std::size_t slot) { release_pressed(slot); });
 }
 
-/// A sample of the contacts in pressed_. Those that end in it are recorded.
+/// Advances the contacts in pressed_ by a sample, and records those that end in it.
 void ExcitedBody::step_pressed() noexcept {
   if (pressed_.empty())
     return;

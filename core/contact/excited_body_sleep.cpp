@@ -13,8 +13,8 @@ constexpr double kMargin = 3; // samples: kLookAhead and one more
 } // namespace
 
 /// True if the exciter cannot touch within this many samples while nothing else moves its modes.
-/// |z| of a mode does not grow then. So its displacement changes by at most |z| times the smaller
-/// of 2/omega and time sqrt(1 + (d/omega)^2).
+/// Under this condition |z| of a mode does not grow. So the mode's displacement changes by at most
+/// |z| times the smaller of 2/omega and time sqrt(1 + (d/omega)^2).
 bool ExcitedBody::cannot_reach(std::size_t slot, double samples) const noexcept {
   const Exciter& e = exciters_[slot];
   if (e.kind == Exciter::Kind::kFriction)
@@ -79,7 +79,7 @@ void ExcitedBody::update_sleep() noexcept {
   }
 }
 
-/// Wakes an exciter and all that may share a mode with it.
+/// Wakes an exciter and all exciters that may share a mode with it.
 void ExcitedBody::wake_island(std::size_t slot) noexcept {
   const std::size_t k = island_of_[slot];
   sleep_until_[k] = 0;

@@ -5,14 +5,16 @@
 #include <cmath>
 #include <iterator>
 
-/// One sample of a body: which exciters are near, how fine the steps are, and the steps of one
-/// island.
+/// One sample of a body: finds the near exciters, chooses how fine the steps are, and makes the
+/// steps of one island.
 namespace tactus::contact {
 namespace {
 
 constexpr double kMaxStepAngle = 0.15; // rad: phase advance of a contact's oscillation in a step
-constexpr double kImpulseAngle = 0.5;  // rad in the finest step: above it an impulse is used
-constexpr double kLookAhead = 2;       // samples: a mass that may arrive within is near
+constexpr double kImpulseAngle = 0.5;  // rad in the finest step: above it, an impulse replaces the
+                                       // contact
+constexpr double kLookAhead = 2;       // samples: a mass that may touch the surface within this
+                                       // time is near
 constexpr std::uint64_t kProximityPeriod = 16; // samples between measurements of the depths
 constexpr std::size_t kCoarseningDelay = 8;    // samples before steps become coarser
 
@@ -106,7 +108,7 @@ void ExcitedBody::find_level(Exciter& e) const noexcept {
     ++e.level;
 }
 
-/// A sample of a mass that is far from the body.
+/// Advances a mass that is far from the body by a sample.
 void ExcitedBody::advance_free_mass(Exciter& e) const noexcept {
   const double sample = step_s_[0], before = e.velocity_m_per_s;
   e.velocity_m_per_s =
@@ -118,7 +120,7 @@ void ExcitedBody::advance_free_mass(Exciter& e) const noexcept {
   }
 }
 
-/// True if the exciter may touch within this sample. `measure`: computes the depth from the
+/// True if the exciter may touch within this sample. With `measure`, it computes the depth from the
 /// positions of mass and surface, which removes the rounding errors of the steps.
 bool ExcitedBody::update_proximity_of(std::size_t i, bool measure) noexcept {
   Exciter& e = exciters_[i];
@@ -250,7 +252,7 @@ void ExcitedBody::prepare_single_contact(std::size_t slot) noexcept {
   predicted_ = false;
 }
 
-/// A sample of the only contact on these modes.
+/// Advances the only contact on these modes by a sample.
 void ExcitedBody::step_only_contact(std::size_t slot, const ModesView& modes,
                                     const PointView& point, Prediction& prediction, bool& predicted,
                                     std::size_t level) noexcept {
@@ -264,13 +266,13 @@ void ExcitedBody::step_only_contact(std::size_t slot, const ModesView& modes,
                            {&drive, &normal, nullptr, nullptr, nullptr, nullptr, 1});
 }
 
-/// A sample of modes first ... end - 1 without contacts.
+/// Advances modes first ... end - 1 by a sample without contacts.
 void ExcitedBody::ring(std::size_t first, std::size_t end) noexcept {
   if (first < end)
     kernel_->ring(view(0, first, end));
 }
 
-/// A sample of a body without contacts, and its output at the first pickup.
+/// Advances a body without contacts by a sample, and computes its output at the first pickup.
 void ExcitedBody::step_free() noexcept {
   invalidate_prediction();
   if (pickup_real_.empty())
@@ -280,7 +282,7 @@ void ExcitedBody::step_free() noexcept {
   output_known_ = true;
 }
 
-/// A sample of the only island, on its range of modes.
+/// Advances the only island by a sample, on its range of modes.
 void ExcitedBody::step_in_place() noexcept {
   ringing_ = true;
   if (near_ == 1) {
@@ -300,7 +302,7 @@ void ExcitedBody::step_in_place() noexcept {
       couple(group);
       packed_.clear(); // their coupling matrices were in the same memory
     }
-    coupled_ = near_ > 1; // for one contact it refers to point_view_
+    coupled_ = near_ > 1; // with one contact, coupled_ refers to point_view_
     step_coupled(group);
   }
   ring(0, range_first_);

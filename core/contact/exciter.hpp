@@ -24,8 +24,9 @@ inline constexpr double kMaxState = 1e60;   ///< N, m/s; beyond it the body is r
   return mean + 0.5 * (mean - mean_before);
 }
 
-/// Velocity at the start of a step where the force may reverse the velocity in every step (friction
-/// noise): the average of the mean that the last step's force would give and the mean before.
+/// Velocity at the start of a step in which the force may reverse the velocity (friction noise). It
+/// is the average of two means: the mean velocity that the last step's force would give, and the
+/// mean velocity of the step before.
 [[nodiscard, gnu::always_inline]] inline double initial_velocity(double mean_with_last_force,
                                                                  double mean_before) noexcept {
   return 0.5 * (mean_with_last_force + mean_before);
@@ -41,8 +42,8 @@ struct ImpactRecord {
 /// One contact in the linear system of a step (ContactSystem). Velocities are means of the step, of
 /// the exciter relative to the body, m/s.
 struct ContactTerm {
-  double own_free_velocity = 0; ///< of the exciter alone, without the contact's force
-  double own_mobility = 0;      ///< of the exciter alone, m/(N s)
+  double own_free_velocity = 0; ///< free velocity of the exciter alone, without the contact's force
+  double own_mobility = 0;      ///< mobility of the exciter alone, m/(N s)
   double free = 0;              ///< relative velocity without any contact's force
   LinearForce law;
   double force = 0, mean = 0;   ///< solution: N, m/s
@@ -68,8 +69,9 @@ struct Exciter {
   double mass_kg = 0.01;
   bool held = false; ///< the velocity is prescribed, as for an infinite mass
   double position_m = -1, velocity_m_per_s = 0;
-  double external_force_n = 0; ///< on the mass, into the body, until changed
-  /// The contact is too short for the finest steps: it is an impulse with the exact restitution.
+  double external_force_n = 0; ///< force on the mass, into the body; stays until it is changed
+  /// True if the contact is too short for the finest steps; it is then an impulse with the exact
+  /// restitution.
   bool impulsive = false;
   ImpactRecord ongoing, last;
   std::size_t impact_count = 0; ///< completed impacts
@@ -78,20 +80,21 @@ struct Exciter {
   Friction friction;
   double normal_force_n = 0, rubbing_m_per_s = 0;
   Random noise = Random();
-  double last_force_n = 0; ///< of the last step
+  double last_force_n = 0; ///< force of the last step
 
-  // Both.
+  // Both kinds.
   double depth_m = 0;               ///< penetration; unused by friction
-  double approach_m_per_s = 0;      ///< rate of the penetration; of friction the relative velocity
-  double mean_velocity_m_per_s = 0; ///< relative, of the last step
+  double approach_m_per_s = 0;      ///< rate of the penetration; for friction, the relative
+                                    ///< velocity
+  double mean_velocity_m_per_s = 0; ///< relative velocity in the last step
   double force_n = 0;               ///< mean force of the last sample
-  double impulse_ns = 0;            ///< of the current sample so far
-  double dissipated_j = 0;          ///< by friction in the last sample
+  double impulse_ns = 0;            ///< impulse of the current sample so far
+  double dissipated_j = 0;          ///< energy dissipated by friction in the last sample
   bool near = false;                ///< takes part in the steps of this sample
   bool depth_valid = false;         ///< depth and approach are up to date from the steps before
-  std::size_t level = 0;            ///< 2^level steps a sample are fine enough for this contact
+  std::size_t level = 0;            ///< 2^level steps per sample are fine enough for this contact
 
-  // Mobility and mass at the contact point: those of the body, with the exciter's own mass.
+  // Mobility and mass at the contact point, of the body together with the exciter's own mass.
   std::array<double, kLevels> mobility{}; ///< mean velocity of a step per force, m/(N s), by level
   double impulse_mobility = 0;            ///< change of velocity per impulse, 1/kg
   double inverse_mass = 100;              ///< 1/mass_kg; 0 if held or friction
@@ -122,9 +125,9 @@ struct Exciter {
     normal_force_n = bounded(normal_force, kMaxForce);
   }
 
-  /// Steps a sample that friction needs, at most eight: the oscillation of the bristles against the
-  /// body's impulse mobility, sqrt(sigma0 Y), may advance by 0.4 rad in one. (In steps four times
-  /// as long, a bowed string takes twice the normal force that it should.)
+  /// Number of steps per sample that friction needs, at most eight. In one step the oscillation of
+  /// the bristles against the body's impulse mobility, sqrt(sigma0 Y), may advance by 0.4 rad. (In
+  /// steps four times as long, a bowed string needs twice the correct normal force.)
   [[nodiscard]] double rubbing_steps(double sample_s) const noexcept {
     constexpr double kAngle = 0.4, kMaxSteps = 8;
     const double angle = std::sqrt(friction.law().stiffness_n_per_m * impulse_mobility) * sample_s;
@@ -132,8 +135,8 @@ struct Exciter {
   }
 
   /// Begins a step of h seconds. `body_free`, m/s: mean velocity of the body at the contact point
-  /// without the contacts' forces. `coupled`, m/(N s): the body's mobility there, without the
-  /// exciter's own.
+  /// without the contacts' forces. `coupled`, m/(N s): the body's mobility at this point, without
+  /// the exciter's own mobility.
   [[gnu::always_inline]] void enter_step(ContactTerm& t, double body_free, double coupled,
                                          double h) noexcept {
     const bool strikes = kind == Kind::kImpact;
@@ -153,7 +156,7 @@ struct Exciter {
       t.law = friction.stage().unscaled();
     }
   }
-  /// Second stage of friction, from the solution of the first.
+  /// Second stage of friction, from the solution of the first stage.
   [[gnu::always_inline]] void refine(ContactTerm& t) noexcept {
     friction.refine(t.mean);
     t.law = friction.stage().unscaled();

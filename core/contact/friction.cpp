@@ -22,7 +22,7 @@ FrictionLaw FrictionLaw::within_range() const noexcept {
 void Friction::set(const FrictionLaw& law) noexcept {
   const double before = law_.stiffness_n_per_m;
   law_ = law.within_range();
-  // A larger stiffness must not add energy: k z^2 / 2 of the bristles is kept.
+  // A larger stiffness must not add energy, so the bristles keep their energy k z^2 / 2.
   if (law_.stiffness_n_per_m > before)
     bend_ *= std::sqrt(before / law_.stiffness_n_per_m);
   const double softness = 1 / law_.stiffness_n_per_m;

@@ -13,9 +13,9 @@ namespace tactus::contact {
 /// surfaces that slide at the relative velocity v (m/s) under the normal force F_n (N) obeys
 ///     z' = v (1 - alpha(z, v) z / z_ss(v)),   f = sigma0 z + sigma1 z' + sigma2 v
 ///     z_ss = sgn(v) F_n (mu_d + (mu_s - mu_d) exp(-(v/v_s)^2)) / sigma0      bend when sliding
-/// f is the friction force (N). alpha = 0 while the bristles only bend, |z| < z_ba = kappa mu_d
-/// F_n / sigma0, or spring back (z v < 0). alpha = 1 for |z| >= |z_ss|. Between, it follows half a
-/// period of a sine.
+/// f is the friction force (N). alpha = 0 while the bristles only bend, |z| < z_ba = kappa mu_d F_n
+/// / sigma0, or spring back (z v < 0). alpha = 1 for |z| >= |z_ss|. Between z_ba and |z_ss|, alpha
+/// follows half a period of a sine.
 struct FrictionLaw {
   double static_coefficient = 0.8;  ///< mu_s >= mu_d
   double dynamic_coefficient = 0.3; ///< mu_d
@@ -44,7 +44,7 @@ struct ScaledForce {
 /// no iteration.
 ///
 /// With a = alpha |v|/|z_ss| taken from the stage before, z' = v - a z and f are linear in the mean
-/// velocity v of the step; z is the mean of the step. The step then dissipates
+/// velocity v of the step; z is its mean over the step. The step then dissipates
 ///     f v - sigma0 z z' = sigma0 a z^2 + (sigma1 + sigma2) v^2 - sigma1 a z v,
 /// which is never negative if sigma1^2 a <= 4 sigma0 (sigma1 + sigma2). Fast sliding violates this
 /// in the model itself. So sigma1 is limited to the largest passive value,
@@ -89,18 +89,19 @@ public:
             bristle_impedance_ * steady_bend_ + scale_ * viscosity_, scale_};
   }
   /// Mean velocity of the step under this stage's force, m/s, from the mean velocity without force
-  /// and the mobility of the contact point, m/(N s). Takes fewer operations than through stage().
+  /// and the mobility of the contact point, m/(N s). Takes fewer operations than a solution by
+  /// stage().
   [[nodiscard, gnu::always_inline]] double mean(double free, double mobility) const noexcept {
     return (scale_ * (free - mobility * law_.stiffness_n_per_m * bend_) +
             mobility * bristle_impedance_ * (slip_ * bend_)) *
            inverse_denominator(mobility);
   }
-  /// The friction force that goes with it, N.
+  /// Friction force at the velocity mean(), N.
   [[nodiscard, gnu::always_inline]] double force(double free, double mobility) const noexcept {
     const ScaledForce f = stage();
     return (f.offset + f.slope * free) * inverse_denominator(mobility);
   }
-  /// Computes the second stage from the mean velocity under the first one's force.
+  /// Computes the second stage from the mean velocity under the force of the first stage.
   [[gnu::always_inline]] void refine(double mean_velocity) noexcept {
     if (pressed_)
       linearise<false>(mean_velocity, bend_ + 0.5 * h_ * bend_rate(mean_velocity));

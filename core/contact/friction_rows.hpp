@@ -5,7 +5,7 @@
 
 #include <array>
 
-/// The numbers of FrictionLaw, a row each, in the order in which messages give them.
+/// A row for each number of FrictionLaw, in the order in which messages give the numbers.
 namespace tactus::contact {
 
 inline constexpr std::array kFrictionRows{

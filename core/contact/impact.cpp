@@ -58,7 +58,8 @@ double ImpactLaw::deepest(double work_j) const noexcept {
   const double alone = std::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1));
   if (!(compliance_m_per_n > 0))
     return alone;
-  // The stored work is convex in x and its slope is the force: Newton's method from above.
+  // The stored work is convex in x and its slope is the force, so Newton's method from above
+  // converges.
   double x = alone + std::sqrt(2 * work_j * compliance_m_per_n);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double step = (work(x) - work_j) / force(x, 0);
@@ -85,7 +86,7 @@ double hertz_stiffness(double radius_m, double modulus_pa, double poisson, doubl
 }
 
 double restitution(double y) noexcept {
-  if (!(y > 1e-4)) // series; the next term is below 1e-12
+  if (!(y > 1e-4)) // a series; its next term is below 1e-12
     return y > 0 ? 1 - y * (2.0 / 3 - y * (4.0 / 9)) : 1.0;
   // With t = -ln(1 - e y) the equation is t - 1 + exp(-t) = y - ln(1 + y). Its left side grows and
   // bends upwards, so Newton's method from above comes down to the root without passing it.

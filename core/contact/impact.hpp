@@ -21,7 +21,7 @@ struct LinearForce {
 ///     F = k d^a (1 + mu x') for an indentation d > 0, else 0; never negative.
 /// [k] = N/m^a, [mu] = s/m. Hunt & Crossley 1975, eq. 15. a = 3/2 is Hertz' contact of round
 /// bodies, a = 1 a spring. Without a compliance the penetration x is the indentation d. With a
-/// compliance C in series (static give of the modes left out of the body) x = d + C k d^a. Not
+/// compliance C in series (static compliance of the modes that the body omits) x = d + C k d^a. Not
 /// valid for adhesion.
 struct ImpactLaw {
   double stiffness = 1e7;           ///< k
@@ -42,7 +42,7 @@ struct ImpactLaw {
   [[nodiscard]] double work(double penetration_m) const noexcept;
   /// The part d of a penetration, m.
   [[nodiscard]] double indentation(double penetration_m) const noexcept;
-  /// Penetration that stores this work, m: the largest of a lossless impact of that energy.
+  /// Penetration that stores this work, m: the maximum in a lossless impact with this energy.
   [[nodiscard]] double deepest(double work_j) const noexcept;
   /// Contact time of a lossless impact of this reduced mass, s, for C = 0:
   /// sqrt(pi) Gamma(1 + b)/Gamma(1/2 + b) 2 x_max/v, b = 1/(a + 1), x_max = deepest(m v^2/2).
@@ -61,29 +61,30 @@ struct ImpactLaw {
 /// W0, e = (1 + W0(-exp(-1 - y + ln(1 + y))))/y. Relative error below 1e-9.
 [[nodiscard]] double restitution(double mu_times_speed) noexcept;
 
-/// The inverse: dissipation mu, s/m, for which an impact at this speed has restitution e in (0, 1].
-/// mu grows without bound as e goes to 0; e below 0.01 counts as 0.01.
+/// Inverse of restitution(): dissipation mu, s/m, for which an impact at this speed has restitution
+/// e in (0, 1]. mu grows without bound as e goes to 0; e below 0.01 counts as 0.01.
 [[nodiscard]] double dissipation_for(double restitution, double speed_m_per_s) noexcept;
 
 /// One contact under ImpactLaw, advanced in time steps by the energy-quadratised, linearly implicit
 /// scheme (Lopes, Helie & Falaize 2015; Ducceschi & Bilbao 2019).
 ///
-/// The stored work is written as psi^2/2 and psi stepped with the chain rule,
+/// The stored work is written as psi^2/2, and psi is stepped with the chain rule,
 ///     psi' = gamma(x) x',   gamma = sqrt(k (a+1)/2) x^((a-1)/2),   F = gamma psi + k mu x^a x',
-/// gamma and x^a taken at the predicted middle of the step, x + h x'/2. With the mean velocity v of
-/// the step that makes F linear in v, and the energy balance of a step exact: the work F v h taken
-/// from the bodies is the growth of psi^2/2 plus the loss k mu x^a v^2 h. So no parameter and no
-/// step length can create energy.
+/// with gamma and x^a at the predicted middle of the step, x + h x'/2. F is then linear in the mean
+/// velocity v of the step. The energy balance of a step is exact: the work F v h taken from the
+/// bodies equals the growth of psi^2/2 plus the loss k mu x^a v^2 h. So no parameter and no step
+/// length can create energy.
 ///
 /// psi drifts from the exact psi*(x) = sqrt(2 k x^(a+1)/(a+1)) by the error of the step. After each
 /// step psi is set to psi*. The energy that this frees or takes is booked in an account that never
 /// falls below zero (`energy_account_j`): the sum of stored energy and account is unchanged, and
 /// the rebound does not depend on the drift.
 ///
-/// In the step in which a contact begins, gamma is the chord of psi* over the predicted travel of
-/// the step; psi then ends at psi*(x), whenever within the step the surface was met. In the step in
-/// which it ends, gamma is the chord from psi to 0, so that all stored energy is returned. The loss
-/// of these two steps is mu times the work over the same travel.
+/// In the step in which a contact begins, gamma is the slope of psi*'s chord over the predicted
+/// travel of the step. psi then ends at psi*(x), regardless of when within the step the mass met
+/// the surface. In the step in which a contact ends, gamma is the slope of the chord from psi to 0,
+/// so that all stored energy is returned. The loss of these two steps is mu times the work over the
+/// same travel.
 class Impact {
 public:
   Impact() noexcept { set({}); }
@@ -134,11 +135,13 @@ public:
     }
     return end_contact(travel, h);
   }
-  /// After enter_step(), if the force is not negative: mean velocity of the step into the body.
+  /// To be called after enter_step() if the force is not negative. `mean_velocity`: of the step,
+  /// into the body.
   [[gnu::always_inline]] void pass_step(double mean_velocity, double h) noexcept {
     psi_ += gamma_ * h * mean_velocity;
   }
-  /// After every step, with or without contact: x is the penetration at its end, m.
+  /// To be called after every step, with or without contact. x: penetration at the end of the step,
+  /// m.
   template <bool has_compliance = true> [[gnu::always_inline]] void leave_step(double x) noexcept {
     if (x <= 0) {
       energy_account_j_ += 0.5 * psi_ * psi_;

@@ -10,7 +10,7 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kMaxRateFraction = 0.49; // of the sample rate
+constexpr double kMaxRateFraction = 0.49; // largest rate as a share of the sample rate
 constexpr double kMinAmplitude = 1e-20;   // sqrt(J); a mode below it is set to 0
 constexpr double kMaxAmplitude = 1e60;    // sqrt(J)
 /// omega of a rigid motion, rad/s: within a second it changes the speed by a share below 1e-16.

@@ -14,7 +14,7 @@ namespace tactus::contact {
 /// q is the modal displacement in m, F the modal force in N. omega is the angular frequency of the
 /// damped vibration.
 struct Mode {
-  double frequency_hz = 440; ///< 0: a free body's rigid motion, of that mass or inertia
+  double frequency_hz = 440; ///< 0: rigid motion of a free body with mass_kg as its mass or inertia
   double t60_s = 1;
   double mass_kg = 1; ///< modal mass m; its value depends on the scale of the mode shapes
 };

@@ -12,27 +12,27 @@ namespace tactus::contact {
 
 class BodyKernel;
 
-/// State of four impacts in contact, stored by lane for vector instructions. Each acts alone on one
-/// mode of the body, in steps of one sample. The members are those of Exciter and Impact. An unused
-/// lane holds a contact without force that never changes.
+/// State of four impacts in contact, stored by lane for vector instructions. Each impact acts alone
+/// on one mode of the body, in steps of one sample. The members are those of Exciter and Impact. An
+/// unused lane holds a contact without force that never changes.
 struct PressedBlock {
   static constexpr std::size_t kLanes = 4;
   using Row = std::array<double, kLanes>;
 
-  // Exciter.
+  // Members of Exciter.
   alignas(64) Row depth{}, approach{}, mean_velocity{}, position{}, velocity{}, external_force{};
   Row force{}, level_energy{}, duration{}, impulse{}, peak{};
-  Row own_mobility{}; ///< of the mass, m/(N s)
-  Row mobility{};     ///< of mass and body, m/(N s)
+  Row own_mobility{}; ///< mobility of the mass, m/(N s)
+  Row mobility{};     ///< mobility of mass and body, m/(N s)
   Row mass{};         ///< effective mass, kg
-  // Impact.
+  // Members of Impact.
   Row psi{}, energy_account{}, gamma_scale{}, psi_scale{}, loss_scale{};
-  Row power_value{}, power_inverse{}, power_limit{}, exponent{}; ///< of TaylorPower
+  Row power_value{}, power_inverse{}, power_limit{}, exponent{}; ///< members of TaylorPower
   std::array<Row, 6> power_term{};
   // The contact point, and the step of its mode.
   Row shape{}, pole_real{}, pole_imaginary{}, response_real{}, response_imaginary{}, mean_real{},
       mean_imaginary{}, displacement{}, decay_over_omega{};
-  Row before{}, step_force{}; ///< depth before the last step, and its force
+  Row before{}, step_force{}; ///< depth before the last step, and the force in that step
 
   std::array<std::uint32_t, kLanes> mode{};
   std::array<std::size_t, kLanes> slot{};
@@ -40,8 +40,8 @@ struct PressedBlock {
   std::uint32_t needs_attention = 0; ///< bit l: lane l must return to ExcitedBody::step_single()
 };
 
-/// The sustained impacts of an ExcitedBody that are kept in PressedBlocks, four to a vector. Their
-/// Exciters are updated when they are read or removed.
+/// The sustained impacts of an ExcitedBody that are kept in PressedBlocks, four to a vector. The
+/// Exciter of an impact is updated when the impact is read or removed.
 class PressedContacts {
 public:
   explicit PressedContacts(std::size_t exciters);
@@ -52,7 +52,7 @@ public:
   [[nodiscard]] double force(std::size_t slot) const noexcept {
     return block_of(slot).force[lane_of(slot)];
   }
-  /// Depth before the last step, m, and its force, N.
+  /// Depth before the last step, m, and force in that step, N.
   struct Step {
     double before_m, force_n;
   };
@@ -78,7 +78,7 @@ public:
            double sample_s) noexcept;
   /// Copies the state back to its exciter.
   void read(std::size_t slot, Exciter& exciter, double sample_s) const noexcept;
-  /// The same, and frees the lane.
+  /// Copies the state back to its exciter and frees the lane.
   void remove(std::size_t slot, Exciter& exciter, double sample_s) noexcept;
   /// Calls leave(slot) for each contact that a kernel has marked; leave must remove() it. Clears
   /// all marks.

@@ -5,7 +5,7 @@
 #include "core/dsp/simd.hpp"
 
 /// Steps of PressedBlocks, written once for any instruction set. They do the operations of Exciter
-/// and Impact in the same order, so that a contact has the same bits in a block and outside.
+/// and Impact in the same order, so that a contact gives the same bits in a block as outside one.
 namespace tactus::contact {
 
 template <class Set> class PressedLanes {
@@ -86,7 +86,7 @@ public:
   }
 
   /// BodyKernel::press().
-  // One piece: four contacts in registers, without a branch.
+  // One function without branches, so that four contacts stay in registers.
   [[gnu::always_inline]] static void press(PressedBlock& b, const double* from_real,
                                            const double* from_imaginary, double* real,
                                            double* imaginary, double rate_hz) noexcept {

@@ -14,8 +14,9 @@ namespace tactus::contact {
 ///
 /// Each number is normally distributed and redrawn beyond two standard deviations. The standard
 /// deviations at variation 1:
-/// - logarithm of the speed: 0.12 (1 dB), between a drummer's even strokes and a beginner's;
-/// - direction: 4 degrees about each of the two axes across it;
+/// - logarithm of the speed: 0.12 (1 dB), between the even strokes of a drummer
+///   and those of a beginner;
+/// - direction: 4 degrees about each of the two axes normal to it;
 /// - point: 1/40 of the body's largest extent along each of two axes of the surface, at most 8 mm.
 ///   Aimed hits on a target of width W have the standard deviation W / 4.13 (Fitts' law with
 ///   effective widths, ISO 9241-411); W is taken as a tenth of the body.

@@ -13,20 +13,20 @@ namespace tactus::design {
 struct DesignParameter {
   std::size_t control_point = 0;
   int axis = 0;                 ///< 0 x, 1 y, 2 z
-  double low_m = 0, high_m = 0; ///< of its displacement; low <= 0 <= high
+  double low_m = 0, high_m = 0; ///< bounds of its displacement; low <= 0 <= high
 };
 
 /// The shape parameters of a table that holds derivatives with respect to them.
 struct ShapeParameters {
   std::vector<DesignParameter> parameters;
-  std::vector<Vec3> control_point_m; ///< of the undeformed part
+  std::vector<Vec3> control_point_m; ///< control points of the undeformed part
   double trust_m = 0; ///< largest displacement of a control point for which Taylor's error is small
 };
 
-inline constexpr std::size_t kMaxControlPoints = 4096; // as the haptic protocol's
+inline constexpr std::size_t kMaxControlPoints = 4096; // the same limit as in the haptic protocol
 
-/// Displaces a control point, each coordinate within its parameter's bounds; one that has no
-/// parameter stays. `displacement_m` are those of all parameters.
+/// Displaces a control point, each coordinate within its parameter's bounds; a coordinate without a
+/// parameter stays. `displacement_m`: displacements of all parameters.
 void displace(std::span<const DesignParameter> parameters, std::size_t control_point,
               const Vec3& by_m, std::span<double> displacement_m) noexcept;
 
@@ -35,8 +35,8 @@ void displace(std::span<const DesignParameter> parameters, std::size_t control_p
                                    std::size_t control_point,
                                    std::span<const double> displacement_m) noexcept;
 
-/// "control point 9: expected 0..2" when there is none of this number among `count`, or none that
-/// can move; else empty.
+/// Error sentence, such as "control point 9: expected 0..2", if no control point among `count` has
+/// this number, or if it cannot move; else empty.
 [[nodiscard]] std::string control_point_refusal(std::span<const DesignParameter> parameters,
                                                 std::size_t count, double number);
 

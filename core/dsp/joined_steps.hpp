@@ -12,8 +12,8 @@ namespace tactus {
 /// A value that was held for n samples is connected to the next reading by a line of n samples, so
 /// that the result is late by one reading. A signal that changes every sample passes unchanged. A
 /// hold longer than kLongest counts as rest, so the line to the first reading after it takes
-/// kLongest. The remaining lag is not made up by a fast catch-up: the line is no faster than the
-/// larger of the last two speeds between readings, which adds a delay of at most one more reading.
+/// kLongest. The line does not catch up quickly with the remaining lag: it is no faster than the
+/// larger of the last two speeds between readings. This adds a delay of at most one more reading.
 class JoinedSteps {
 public:
   static constexpr double kLongest = 0.05; ///< s
@@ -28,7 +28,7 @@ public:
     left_ = 0;
     first_ = true;
   }
-  /// In place.
+  /// Joins the steps of the positions, in place.
   void run(std::span<float> position) noexcept {
     for (float& x : position) {
       if (x != target_) {

@@ -33,11 +33,11 @@ public:
 
 private:
   double correction(double x) noexcept {
-    if (age_ == 0) { // on the line through the last two samples
+    if (age_ == 0) { // the old sound would continue on the line through its last two samples
       jump_ = 2 * last_ - before_ - x;
       bend_ = last_ - before_ + x;
     } else if (age_ == 1) {
-      bend_ -= x; // the old slope less the new one
+      bend_ -= x; // the old slope minus the new slope
     }
     const double n = age_++;
     if (n >= length_) {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// Includes only the intrinsics that the compiler may use here: all of <immintrin.h> takes it half a
-// second.
+// Includes only the intrinsics that the compiler may use here: compiling all of <immintrin.h> takes
+// half a second.
 #if defined(__AVX__)
 #include <immintrin.h>
 #elif defined(__SSE2__)

@@ -10,13 +10,13 @@ namespace tactus::simd {
 template <class Set> inline constexpr std::size_t kVectorBytes = Set::register_bytes;
 template <> inline constexpr std::size_t kVectorBytes<Avx512> = 64;
 
-/// Vector operations on aligned arrays, in groups of `group` numbers, with which the kernels of
-/// contact, modal and stress are written. The set is a template parameter, so the linker cannot use
-/// code for a newer processor in place of code for an older one.
+/// Vector operations on aligned arrays, in groups of `group` numbers. The kernels of contact, modal
+/// and stress use them. The set is a template parameter, so the linker cannot use code for a newer
+/// processor in place of code for an older one.
 template <class Set, class T, std::size_t group> struct Vectors {
   using V [[gnu::vector_size(kVectorBytes<Set>), gnu::may_alias]] = T;
   static constexpr std::size_t kWidth = sizeof(V) / sizeof(T);
-  static constexpr std::size_t kRegisters = group / kWidth; ///< of a group
+  static constexpr std::size_t kRegisters = group / kWidth; ///< registers of a group
 
   [[gnu::always_inline]] static V load(const T* from) noexcept {
     return *reinterpret_cast<const V*>(from);

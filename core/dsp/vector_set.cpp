@@ -7,7 +7,8 @@ bool runs(VectorSet set) noexcept {
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   switch (set) {
-  case VectorSet::kAvx512: // as far as all of Intel's and AMD's processors with 512 bits go
+  case VectorSet::kAvx512: // the extensions that all of Intel's and AMD's processors with 512 bits
+                           // share
     return avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
            __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
            __builtin_cpu_supports("avx512vl");

@@ -6,12 +6,12 @@ namespace tactus::simd {
 enum class VectorSet { kBaseline, kAvx2, kAvx512 };
 inline constexpr VectorSet kWidest = VectorSet::kAvx512;
 
-/// Whether this processor runs code that is compiled for the set.
+/// True if this processor runs code that is compiled for the set.
 [[nodiscard]] bool runs(VectorSet) noexcept;
 
-// The same as types: the set is part of every vector type, so the linker cannot use code compiled
-// for one set in place of another's. Each set has source files of its own, with its own compiler
-// flags.
+// The sets as types. The set is part of every vector type, so the linker cannot use code compiled
+// for one set in place of code for another. Each set has source files of its own, with its own
+// compiler flags.
 struct Baseline {
   static constexpr VectorSet kSet = VectorSet::kBaseline;
   static constexpr int register_bytes = 16;
@@ -26,9 +26,9 @@ struct Avx512 {
   static constexpr int register_bytes = 32;
 };
 
-/// make(set) for the first of `Sets`, which begin with the widest, that this processor runs and
-/// that is no wider than `widest`; else make(Baseline{}). Only x86 has the source files of the
-/// others.
+/// Returns make(set) for the first set of `Sets` that this processor runs and that is no wider than
+/// `widest`; else make(Baseline{}). `Sets` begin with the widest. Only x86 has source files for
+/// sets other than Baseline.
 template <class... Sets, class Make>
 [[nodiscard]] auto dispatch([[maybe_unused]] VectorSet widest, const Make& make) {
 #if defined(__x86_64__) || defined(__i386__)

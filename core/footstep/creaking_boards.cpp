@@ -9,13 +9,14 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kReferenceRate = 10; // reference weights a second
+constexpr double kReferenceRate = 10; // reference weights per second
 constexpr double kWobbleTime = 0.02;  // s
-// s, fastest opening of the joint: slower than a foot unloads, apart from the peak of its impact. A
-// joint that opened within one sample would release the bent boards with a bang.
+// s, shortest time in which the joint opens. A foot unloads more slowly than this, apart from the
+// peak of its impact. A joint that opened within one sample would release the bent boards with a
+// bang.
 constexpr double kUnloadingTime = 0.05;
 constexpr double kSilenceTime = 0.06; // s without sound after which the boards rest
-constexpr double kInaudible = 1e-6;   // of the peak
+constexpr double kInaudible = 1e-6;   // share of the peak
 constexpr double kMinLoad = 0.01;     // reference weights; below it the joint is open
 
 } // namespace
@@ -65,7 +66,8 @@ void CreakingBoards::draw_contact_position(const FrictionRecipe& friction) noexc
 
 double CreakingBoards::next(const FrictionRecipe& friction, double load, double bending) noexcept {
   const double slowest = load_ - unloading_ * peak_load_;
-  if (load < slowest) // no foot unloads so fast: limits the rate of the bending as well
+  if (load < slowest) // the load falls faster than the joint may open: limits the rate of the
+                      // bending as well
     bending = bending_ * slowest / load_;
   load_ = std::max(load, slowest);
   bending_ = bending;

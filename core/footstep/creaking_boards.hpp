@@ -14,7 +14,8 @@ namespace tactus::footstep {
 ///
 /// A joint of stiffness K = m (2 pi f)^2 (N/m) under the normal force N slips each time the bending
 /// has stretched it by 2 (mu_s - mu_d) N / K. At a bending speed v the time between two slips is
-/// that stretch over v. The stretch that remains when the foot leaves stays until the next step.
+/// that stretch divided by v. The stretch that remains when the foot leaves stays until the next
+/// step.
 class CreakingBoards {
 public:
   CreakingBoards();
@@ -31,7 +32,7 @@ public:
   void draw_contact_position(const FrictionRecipe& friction) noexcept;
 
   /// Advances by a sample. Returns the velocity at the pickup, m/s. `load`: on the floor, reference
-  /// weights. `bending`: rate of the load that bends the floor, reference weights a second;
+  /// weights. `bending`: rate of the load that bends the floor, reference weights per second;
   /// negative while the floor springs back. The joint takes at least 50 ms to open, however fast
   /// the load falls.
   double next(const FrictionRecipe& friction, double load, double bending) noexcept;
@@ -42,9 +43,10 @@ private:
 
   contact::ExcitedBody body_;
   Random random_;
-  double load_ = 0, peak_load_ = 0; ///< on the joint, and its peak since the joint was open
-  double unloading_ = 0.001;        ///< part of the peak that may leave in a sample
-  double bending_ = 0;              ///< of the last sample
+  double load_ = 0, peak_load_ = 0; ///< load on the joint, and its peak since the joint was open
+  double unloading_ = 0.001;        ///< largest fall of the load in a sample, as a share of the
+                                    ///< peak
+  double bending_ = 0;              ///< bending rate of the last sample
   double wobble_ = 0, wobble_pole_ = 0.999;
   double speed_factor_ = 1;
   double sample_rate_ = 48000;

@@ -10,8 +10,9 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
-constexpr double kRingOutTime = 2; // s; band and equaliser decay by 60 dB in a tenth of it
-constexpr double kDcCutoffHz = 2;  // the elliptic band alone passes a hundredth of a constant
+constexpr double kRingOutTime = 2; // s; band and equaliser decay by 60 dB in a tenth of this time
+constexpr double kDcCutoffHz = 2;  // the elliptic band-pass alone passes a hundredth of a constant
+                                   // signal
 constexpr double kSilenceThreshold = 1e-30;
 
 /// A pair of poles and a pair of zeros of the analogue low-pass, normalised to a -3 dB point at 1.
@@ -105,8 +106,8 @@ void ActuatorEqualiser::compute_coefficients() noexcept {
   };
   for (std::size_t i = 0; i < count_; ++i)
     peaking(i);
-  // Neighbouring filters overlap: corrects each gain by the error of the whole response at its
-  // frequency.
+  // Neighbouring filters overlap, so each gain is corrected by the error of the whole response at
+  // its frequency.
   for (int round = 0; round < kRounds; ++round) {
     std::array<double, kMaxFilters> missing{};
     for (std::size_t i = 0; i < count_; ++i) {

@@ -92,15 +92,15 @@ public:
   };
   void prepare(double sample_rate); ///< may allocate
   void set(const Settings& settings) noexcept;
-  /// ActuatorEqualiser::set() of both actuators.
+  /// ActuatorEqualiser::set() for both actuators.
   bool equalise(std::span<const double> table) noexcept;
   void reset() noexcept;
 
   struct Pair {
     double heel = 0, ball = 0;
   };
-  /// One sample. The forces, N, determine the shares of the common signal; without force the last
-  /// shares are kept.
+  /// Computes one sample. The forces, N, determine the shares of the common signal; without force
+  /// the last shares are kept.
   Pair next(double heel_vibration, double ball_vibration, double heel_n, double ball_n) noexcept;
 
 private:
@@ -119,7 +119,7 @@ private:
   std::array<Channel, 2> channel_; ///< heel, ball
   std::size_t write_index_ = 0, delay_ = 0;
   std::size_t silent_samples_ = 0;       ///< samples without vibration so far
-  std::size_t ring_out_samples_ = 48000; ///< number after which the filters have decayed
+  std::size_t ring_out_samples_ = 48000; ///< number of samples after which the filters have decayed
   bool at_rest_ = false;
 };
 

@@ -16,9 +16,9 @@ namespace tactus::footstep {
   return std::exp(deviation * std::clamp(random.normal(), -2.5, 2.5));
 }
 
-/// Sets the modes of a body to `before`, then the modes of a recipe, and its pickup 0 to the
-/// recipe's gains; `before` has gain 0. `detune`: one standard normal number per mode. `frequency`,
-/// `decay`: factors on frequencies and decay times.
+/// Sets the modes of a body to `before` followed by the modes of a recipe, and the body's pickup 0
+/// to the recipe's gains; the modes in `before` have gain 0. `detune`: one standard normal number
+/// per mode. `frequency`, `decay`: factors on frequencies and decay times.
 void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
                     std::span<const double> detune, double frequency, double decay,
                     std::span<const contact::Mode> before = {}) noexcept;

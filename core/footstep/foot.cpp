@@ -64,8 +64,8 @@ void Foot::reset() noexcept {
 
 Foot::GroundSlot* Foot::acquire_slot(std::uint64_t id, const Recipe& recipe,
                                      const GroundSlot* keep) noexcept {
-  // The slot with this id, else a free one, else the one that was left longest ago. kGrounds
-  // exceeds the two in use and the one to keep, so a slot is always found.
+  // Finds the slot with this id, else a free slot, else the slot that was left longest ago.
+  // kGrounds is larger than the two slots in use and the one to keep, so a slot is always found.
   std::size_t best = 0;
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t i = 0; i < kGrounds; ++i) {
@@ -164,7 +164,7 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
       }
       continue;
     }
-    // A ground that is left has no load: it only decays.
+    // A ground that the foot has left has no load, so its sound only decays.
     const Ground::Sound sound = slot.ground.next(current ? sole : SoleState{});
     slot.last = {};
     slot.last.add({sound.heel_vibration, sound.ball_vibration, sound.pressure_pa,

@@ -56,8 +56,8 @@ private:
     Recipe recipe;
     double reverb_send = 0;      ///< amplitude of the room
     std::uint64_t id = 0;        ///< 0: unused
-    double gain = 0, target = 0; ///< of the sound: smoothed value and its target
-    Sum last;                    ///< its share in the last sample
+    double gain = 0, target = 0; ///< gain of the sound: smoothed value and its target
+    Sum last;                    ///< its contribution to the last sample
     std::uint64_t since = 0;     ///< clock_ at the last use
   };
   void update_room() noexcept;

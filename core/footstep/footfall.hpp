@@ -26,7 +26,7 @@ public:
   };
 
   Track load{0};                    ///< N, without impacts
-  Track heel_share{1};              ///< of the load
+  Track heel_share{1};              ///< heel's share of the load
   Track heel_slip{0}, ball_slip{0}; ///< m/s along the ground, 0 at the end
   std::array<Impact, 2> impacts{};
   double heel_up_s = -1;      ///< time at which the heel lifts; negative: with the rest of the foot

@@ -13,7 +13,8 @@ namespace {
 constexpr double kSetOff[] = {0.75, 0.9};
 constexpr double kMaxLog = 1.3863;    // ln 4
 constexpr double kScuffLength = 0.15; // m
-constexpr double kScuffSpeed = 1.4;   // of a swinging foot that is slowed down, per walking speed
+constexpr double kScuffSpeed = 1.4;   // speed of a swinging foot that is slowed down, relative to
+                                      // the walking speed
 constexpr double kScuffAt = 0.35;     // share of the swing
 constexpr double kDragAt = 0.02, kClearance_s = 0.05; // s after take-off, s before landing
 
@@ -210,7 +211,7 @@ void Gait::begin_swing_actions() noexcept {
       if (scuffs) { // half a cosine's mean is 1/2
         const double length = std::min(swing.length_m, 0.5 * swing.speed_m_per_s * time_left_s);
         planned = footstep::scuff(length, swing.speed_m_per_s, weight_n);
-      } else { // as far as a stride, as fast as the swing is short
+      } else { // at most as long as a stride, and fast enough to end within the swing
         const double length =
             std::min(swing.length_m, walker_.speed_m_per_s * reaction_.stride_s());
         planned = footstep::drag(length, drag_speed(length, time_left_s), weight_n);

@@ -36,20 +36,20 @@ public:
   /// Starts one step of a foot at once. If the foot is on the ground, the new landing overlaps: up
   /// to kOverlap footfalls of one foot are active, and a further one ends the oldest.
   void step(std::size_t foot) noexcept;
-  /// Makes the next step a pivot by this angle, radians, up to pi. Without walking, `foot` makes a
-  /// step for it.
+  /// Makes the next step a pivot by this angle, radians, up to pi. If the person does not walk,
+  /// `foot` makes a step for the turn.
   void turn(double angle_rad, std::size_t foot) noexcept;
   /// A jump on both feet, height in m, clamped to kMinJump..kMaxJump. A walker halts before it and
   /// sets off again afterwards; feet in the air are put down first.
   void jump(double height_m) noexcept;
-  /// The ball of a foot strikes the ground and slides: in its next swing, or at once without
-  /// walking.
+  /// The ball of a foot strikes the ground and slides: in its next swing, or at once if the person
+  /// does not walk.
   void scuff(std::size_t foot) noexcept;
   /// A foot slides by a length, m, at a speed, m/s, under part of the weight: in its next swing and
-  /// at most for its duration, or at once without walking.
+  /// at most for its duration, or at once if the person does not walk.
   void drag(std::size_t foot, double length_m, double speed_m_per_s) noexcept;
 
-  /// One sample of both feet.
+  /// Computes one sample of both feet.
   void next(std::array<SoleState, kFeet>& feet) noexcept;
 
 private:
@@ -58,7 +58,8 @@ private:
   struct SwingAction {
     enum class Kind { kNone, kScuff, kDrag } kind = Kind::kNone;
     double length_m = 0, speed_m_per_s = 0;
-    double wait_s = -1; ///< since the foot left the ground; negative: it has not yet
+    double wait_s = -1; ///< time since the foot left the ground; negative: it is still on the
+                        ///< ground
   };
   Footfall& play(std::size_t foot, const Footfall& footfall) noexcept;
   void replace(std::size_t foot, const Footfall& footfall) noexcept;
@@ -77,15 +78,15 @@ private:
   [[nodiscard]] double swing_s() const noexcept;
 
   Walker walker_;
-  GroundReaction reaction_; ///< of walker_
+  GroundReaction reaction_; ///< reaction of walker_
   double variation_ = 0.04, step_s_ = 1.0 / 48000;
   bool walk_requested_ = false;
   State state_ = State::kAir;
-  double time_left_s_ = 0; ///< until the next contact, or the end of the current movement
+  double time_left_s_ = 0; ///< time until the next contact, or the end of the current movement
   std::size_t next_foot_ = 0;
-  int steps_ = 0;                      ///< since setting off, saturates
+  int steps_ = 0;                      ///< number of steps since setting off; saturates
   double turn_rad_ = 0, jump_m_ = 0;   ///< requested and not yet done
-  Footfall second_footfall_, landing_; ///< start when time_left_s_ has passed
+  Footfall second_footfall_, landing_; ///< footfalls that start when time_left_s_ has passed
   bool landing_pending_ = false;
   std::array<SwingAction, kFeet> swing_actions_{};
   std::array<double, kFeet> unloaded_{}; ///< share of its load that the other foot carries now

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kReferenceLandingSpeed = 0.5; // m/s
 // Landings and slopes are clamped to the range of human walkers.
-constexpr double kMaxLandingSpeed = 4, kMaxLoadRate = 200; // m/s, reference weights a second
+constexpr double kMaxLandingSpeed = 4, kMaxLoadRate = 200; // m/s, reference weights per second
 // Shares of the rise and of the fall of the load that bend the boards before the joint is free.
 constexpr double kBending = 0.8, kSpringBack = 0.2;
 constexpr double kMinWeight = 1e-3, kMaxWeight = 20; // reference weights
@@ -77,7 +77,7 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
       floor.set(recipe.solid, shoe_);
       floor.scale_modes(recipe.solid, detune_, 1, 1);
     }
-    // Particles between sole and floor are crushed by the force of the landing, which for one
+    // Particles between sole and floor are crushed by the force of the landing, which for a given
     // energy is ~ k^(1/(a + 1)).
     const contact::ImpactLaw& floor = recipe.solid.law;
     const auto stiffness = [&](double hardness) {

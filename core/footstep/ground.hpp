@@ -40,7 +40,7 @@ public:
                                                    ///< signals
     double pressure_pa = 0; ///< sound pressure: high-pass of their sum at radiation_hz
   };
-  /// One sample.
+  /// Computes one sample.
   Sound next(const SoleState& sole) noexcept;
   [[nodiscard]] bool silent() const noexcept { return silent_; }
 
@@ -52,21 +52,22 @@ private:
   };
   static constexpr std::size_t kRegions = 2; ///< heel and ball
   using Vibration = std::array<double, kRegions>;
-  /// Load and its derivative, in reference weights (a second).
+  /// Load in reference weights, and its derivative in reference weights per second.
   struct Load {
     double heel, ball, heel_slope, ball_slope;
   };
   void begin_step_variation() noexcept;
   void draw_contact_positions() noexcept;
-  // One sample of each kind of source, added to `vibration`. Return false if the source is silent.
+  // Each function adds one sample of a kind of source to `vibration`, and returns false if the
+  // source is silent.
   [[nodiscard]] bool add_floor(const SoleState& sole, Vibration& vibration) noexcept;
   [[nodiscard]] bool add_boards(const Load& load, Vibration& vibration) noexcept;
   [[nodiscard]] bool add_particles(const SoleState& sole, const Load& load,
                                    Vibration& vibration) noexcept;
 
   Recipe recipe_;
-  double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< in reference weights
-  double root_weight_ = 1; ///< square root of the weight, of at least kMinWeight
+  double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< weight_: in reference weights
+  double root_weight_ = 1; ///< square root of the weight, which is at least kMinWeight here
   Random random_;
   std::array<double, kMaxModes> detune_{};
   std::array<StruckFloor, kRegions> floor_;
@@ -75,8 +76,8 @@ private:
   double speed_factor_ = 1;
   double sole_factor_ = 1; ///< level of the particles between sole and floor, by hardness
   double radiation_ = 0, radiation_gain_ = 0;
-  double load_ = 0;                   ///< of the last sample, in reference weights
-  double heel_share_ = 0;             ///< of the load, or of the last one
+  double load_ = 0;                   ///< load of the last sample, in reference weights
+  double heel_share_ = 0;             ///< heel's share of the load, or of the last load
   bool heel_down_ = false;            ///< the heel has landed since the foot was in the air
   bool has_contact_position_ = false; ///< contact points have been drawn since the last reset
   bool silent_ = true;

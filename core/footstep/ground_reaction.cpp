@@ -13,7 +13,7 @@ using std::numbers::pi;
 constexpr double kMaxTransient = 0.6;      // weights
 constexpr double kDefaultSpeed = 1.4;      // m/s
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
-constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 ms at 1.4 m/s
+constexpr double kContactSlip = 0.2 / 1.4; // share of the walking speed: 3 mm in 30 ms at 1.4 m/s
 constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
 constexpr double kMinSprint = 6; // m/s, above which runners land on the ball
 

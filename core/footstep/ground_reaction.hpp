@@ -25,7 +25,7 @@ struct Landing {
                                               ///< mass
   double at = 0;                              ///< time, as a share of the stance
   double speed_m_per_s = 0;                   ///< downwards
-  double mass = 0;                            ///< effective mass, as a share of the body's
+  double mass = 0;                            ///< effective mass, as a share of the body's mass
   /// Largest force in body weights.
   [[nodiscard]] double peak(double speed) const noexcept;
 };
@@ -45,7 +45,7 @@ struct Landing {
 class GroundReaction {
 public:
   GroundReaction() { set({}); }
-  /// Speed is clamped to 0.3..2.5 m/s, when running to 1.5..8 m/s. NaN counts as the default.
+  /// Speed is clamped to 0.3..2.5 m/s, or to 1.5..8 m/s for running. NaN counts as the default.
   void set(const Walker& walker) noexcept;
 
   [[nodiscard]] double weight_n() const noexcept { return weight_n_; }
@@ -57,12 +57,12 @@ public:
 
   /// Force in N at x in 0..1; 0 outside.
   [[nodiscard]] double force(double x) const noexcept;
-  /// Share of that force (without landings) under the heel; the rest is under the ball.
+  /// Share of force(x) (without landings) under the heel; the rest is under the ball.
   [[nodiscard]] double heel_share(double x) const noexcept { return share_.at(x); }
 
-  /// The load without landings, in body weights over x; then its parts before and after the middle
-  /// of the stance. The middle is the valley (walking), the peak (running) or level (sneaking);
-  /// there the body neither rises nor falls.
+  /// The load without landings over x, in body weights; then its parts before and after the middle
+  /// of the stance. At the middle the body neither rises nor falls, and the load is at its valley
+  /// (walking), at its peak (running) or constant (sneaking).
   [[nodiscard]] const Track& load() const noexcept { return load_; }
   [[nodiscard]] const Track& first_half() const noexcept { return first_half_; }
   [[nodiscard]] const Track& second_half() const noexcept { return second_half_; }
@@ -77,7 +77,7 @@ public:
   /// Duration of the sin^2 pulse that a hard heel adds, s: the width of a Gaussian of deviation 7
   /// ms.
   static constexpr double kTransientTime = 0.033;
-  /// Peak of that pulse, body weights.
+  /// Peak of this pulse, body weights.
   [[nodiscard]] double transient() const noexcept { return transient_; }
   /// Sliding speed of the first contact before it sticks, m/s.
   [[nodiscard]] double contact_slip() const noexcept { return contact_slip_; }
@@ -93,15 +93,16 @@ private:
 
   double weight_n_ = 700, stance_s_ = 0.7, stride_s_ = 1.1;
   Style style_ = Style::kWalk;
-  Track load_, first_half_, second_half_, share_; // over x
+  Track load_, first_half_, second_half_, share_; // functions of x
   Landing heel_, ball_;
   double heel_up_at_ = 0.62, release_at_ = 0.66, max_heel_share_ = 1;
   double transient_ = 0, contact_slip_ = 0;
 };
 
 /// Share of the load under the heel over time, from the first contact. If the heel lands first, it
-/// carries all until the ball lands, then its share falls to 0 at `release_at`. If the ball lands
-/// first, the share is 0 until the heel lands. Times in any one unit.
+/// carries the whole load until the ball lands; then the heel's share falls to 0 at `release_at`.
+/// If the ball lands first, the share is 0 until the heel lands. All times have the same unit,
+/// whichever it is.
 [[nodiscard]] Track heel_share_track(double heel_at, double ball_at, double release_at,
                                      double highest) noexcept;
 

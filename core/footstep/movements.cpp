@@ -8,11 +8,12 @@ namespace tactus::footstep {
 namespace {
 
 using std::numbers::pi;
-constexpr double kStandingShare = 0.6;  // of the load under the heels while standing
+constexpr double kStandingShare = 0.6;  // share of the load under the heels while standing
 constexpr double kShift = 0.7;          // s, duration of the shift of the weight to one foot
 constexpr double kFree = 0.6;           // share of kShift after which the other foot is free
-constexpr double kPlacingSpeed = 0.15;  // m/s, of a foot that is put down to stand
+constexpr double kPlacingSpeed = 0.15;  // m/s, speed of a foot that is put down to stand
 constexpr double kPlacingMass = 0.0145; // effective mass of that foot, as a share of the body's
+                                        // mass
 
 Footfall::Impact impact(bool heel, double at_s, double speed, double mass,
                         double weight_n) noexcept {
@@ -64,12 +65,14 @@ FootfallPair set_off(const GroundReaction& reaction) noexcept {
   const double stance_s = reaction.stance_s();
   const bool run = reaction.flight_s() > 0;
   const double level = run ? 1 : reaction.second_half().at(0);
-  // The other foot carries kFree / 4 of the weight on average over the shift; this one the rest.
+  // The other foot carries kFree / 4 of the weight on average over the shift; this foot carries the
+  // rest.
   const double hump = 2 * (1 - 0.25 * kFree) - (0.5 + level);
   Track load(0.5);
   load.to(level, kShift, 0, hump);
   if (run) {
-    // From rest to the take-off speed of each flight, g flight / 2.
+    // The push-off accelerates the body from rest to the take-off speed of each flight, g flight /
+    // 2.
     const double rise = 0.7 * stance_s, fall = 0.5 * stance_s;
     const double peak =
         (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / pi * fall);
@@ -95,7 +98,7 @@ FootfallPair set_off(const GroundReaction& reaction) noexcept {
 }
 
 FootfallPair halt(const GroundReaction& reaction) noexcept {
-  // The last landing is softer, and so is the closing one.
+  // The last landing is softer, and so is the landing of the closing foot.
   constexpr double kLast = 0.8, kClosing = 0.5;
   FootfallPair pair;
   Footfall &last = pair.feet[0], &closing = pair.feet[1];
@@ -137,7 +140,7 @@ FootfallPair halt(const GroundReaction& reaction) noexcept {
   const Landing &heel = reaction.heel(), &ball = reaction.ball();
   closing.impacts = {impact(true, 0, kClosing * heel.speed_m_per_s, kPlacingMass, weight_n),
                      impact(false, 0, kClosing * ball.speed_m_per_s, kPlacingMass, weight_n)};
-  constexpr double kFlat = 0.06; // s between the two: nearly flat
+  constexpr double kFlat = 0.06; // s between the landings of heel and ball, which are nearly flat
   closing.impacts[reaction.ball_first() ? 0 : 1].at_s = kFlat;
   closing.heel_share = Track(reaction.ball_first() ? 0 : 1);
   closing.heel_share.hold(kFlat).to(kStandingShare, kFree * kShift - kFlat);
@@ -174,8 +177,8 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double half = 0.5 * weight_n; // each foot
   Jump result;
 
-  // Crouch: the body falls as the knees bend. Push-off: from that speed downwards to the take-off
-  // speed. Small jumps are the same in less time.
+  // Crouch: the body falls as the knees bend. Push-off: the force turns that downward speed into
+  // the take-off speed. Small jumps have the same shape and take less time.
   const double quick = std::clamp(std::sqrt(height / 0.3), 0.35, 1.1);
   const double crouch = 0.3 * quick, rise = 0.2 * quick, fall = 0.28 * quick;
   constexpr double kUnweighted = 0.6;
@@ -192,9 +195,9 @@ Jump jump(double height_m, double weight_n) noexcept {
 
   // Landing: the impacts of ball and heel; the legs absorb the rest of the momentum.
   constexpr double kBallMass = 0.04, kHeelAt = 0.025, kHeelTime = 0.06, kLegsRise = 0.08;
-  const double highest = 1 + 5.5 * std::sqrt(height); // of both feet, weights
+  const double highest = 1 + 5.5 * std::sqrt(height); // load of both feet, body weights
   const double legs = std::min(2.0, highest);
-  const double ball = 2 * Landing{0, speed, kBallMass}.peak(speed); // of both feet
+  const double ball = 2 * Landing{0, speed, kBallMass}.peak(speed); // force on both feet
   const double at_heel = 0.5 * (1 - std::cos(pi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
   const double heel = std::max(0.0, highest - legs * at_heel);
   const double impulse = speed / kGravity - ball * 2 / pi * Landing::kImpactTime -
@@ -212,7 +215,7 @@ Jump jump(double height_m, double weight_n) noexcept {
 }
 
 Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept {
-  constexpr double kLoad = 0.06; // of the weight
+  constexpr double kLoad = 0.06; // share of the weight
   Footfall foot;
   const double speed = std::clamp(speed_m_per_s, 0.3, 5.0);
   const double during = 2 * std::clamp(length_m, 0.01, 1.0) / speed; // half a cosine's mean is 1/2
@@ -245,7 +248,8 @@ struct Sliding {
 } // namespace
 
 double drag_speed(double length_m, double total_s) noexcept {
-  // Both ramps of the load, and half of each ramp of the speed, add to length over speed.
+  // The duration is length over speed, plus both ramps of the load and half of each ramp of the
+  // speed.
   const double speed = (1 + 3 * kRampShare) * length_m / total_s;
   return kRampShare * length_m / speed < kMaxRampTime ? speed
                                                       : length_m / (total_s - 3 * kMaxRampTime);

@@ -30,7 +30,7 @@ struct FootfallPair {
 
 /// From standing to walking: feet[0] takes over the weight and pushes off; feet[1] leaves the
 /// ground and lands after `next_start_s`. The body's vertical momentum is zero while standing and
-/// at the middle of a stance, and the shift of weight keeps it zero. A runner pushes off to the
+/// at the middle of a stance, and the shift of weight keeps it zero. A runner pushes off into the
 /// first flight.
 [[nodiscard]] FootfallPair set_off(const GroundReaction& reaction) noexcept;
 
@@ -64,8 +64,8 @@ inline constexpr double kDragLoad = 0.3;                         ///< share of t
 [[nodiscard]] double drag_speed(double length_m, double total_s) noexcept;
 /// A foot slides along the ground by this length at this speed, under kDragLoad of the weight.
 [[nodiscard]] Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept;
-/// The same from standing: feet[0] slides and feet[1] carries the rest; both stand before and
-/// after.
+/// A drag from standing: feet[0] slides and feet[1] carries the rest of the weight; both feet stand
+/// before and after.
 [[nodiscard]] FootfallPair standing_drag(double length_m, double speed_m_per_s,
                                          double weight_n) noexcept;
 

@@ -10,14 +10,14 @@
 #include <span>
 #include <string_view>
 
-/// Recipe: the parameters of a ground, as users write them down: sections and `key value` lines
-/// (docs/formats/surface.md), read by files/recipe.hpp.
+/// Recipe: the parameters of a ground. Users write them as sections and `key value` lines
+/// (docs/formats/surface.md), which files/recipe.hpp reads.
 namespace tactus::footstep {
 
 inline constexpr std::size_t kMaxModes = 32, kMaxClouds = 4, kMaxPatches = 8;
 /// Weight to which the masses, energies and loads of a recipe refer, N.
 inline constexpr double kReferenceWeight = 700;
-/// Shoe to which the levels of its particles refer: hard rubber.
+/// Shoe to which the particle levels of a recipe refer: hard rubber.
 inline constexpr double kReferenceShoe = 0.4;
 
 /// Variation from step to step: standard deviations of the logarithms.
@@ -45,8 +45,9 @@ struct SolidRecipe {
   double heel_kg = 0.08, ball_kg = 0.05; ///< striking masses at kReferenceWeight
   double ball = 0.6;                     ///< factor on the gait's landing speed of the ball
   double patches = 4;                    ///< parts of the sole that land one after the other
-  double unevenness_m = 0.004;           ///< mean height of the others when the first touches
-  double roughness = 1;                  ///< of a sliding sole, N^(1/2) s^(1/2)/m^(1/2)
+  double unevenness_m = 0.004;           ///< mean height of the other parts when the first part
+                                         ///< touches
+  double roughness = 1;                  ///< roughness of a sliding sole, N^(1/2) s^(1/2)/m^(1/2)
   double level = 1;
   Scatter scatter;
 };
@@ -58,11 +59,12 @@ struct FrictionRecipe {
   bool present = false;
   ModesRecipe modes;
   contact::FrictionLaw law{0.8, 0.3, 0.06, 0.4, 8e4, 20, 0.4, 0};
-  double joint_hz = 90, joint_kg = 0.1; ///< spring and mass of the joint
+  double joint_hz = 90, joint_kg = 0.1; ///< resonance frequency and mass of the joint
   double joint_t60_s = 0.05;
   double preload_n = 6;       ///< normal force in the joint without load
   double load_n = 20;         ///< added normal force under kReferenceWeight
-  double slip_m_per_s = 0.02; ///< joint speed while 10 reference weights a second change sides
+  double slip_m_per_s = 0.02; ///< joint speed when the load bends the floor at 10 reference weights
+                              ///< per second
   double wobble = 0.2;        ///< slow random variation of normal force and speed, relative
   double level = 1;
   Scatter scatter;
@@ -78,11 +80,12 @@ struct CloudRecipe {
 };
 
 struct Recipe {
-  double level = 1;         ///< of all sections: sound pressure at the walker's head, Pa
+  double level = 1;         ///< level of all sections: sound pressure at the walker's head, Pa
   double felt = 2;          ///< gain of the actuator signals, 1/Pa
   double felt_ball = 1;     ///< factor on the gain of the ball's actuator signal
   double radiation_hz = 40; ///< high-pass of the sound only: radiation of the floor
-  /// As Scatter, but common to all sections: a wetter or firmer spot, a different landing.
+  /// As in Scatter, but common to all sections: for a wetter or firmer spot, or a different
+  /// landing.
   double vary_frequency = 0, vary_decay = 0;
   SolidRecipe solid;
   FrictionRecipe friction;

@@ -6,7 +6,7 @@
 namespace tactus::footstep {
 namespace {
 
-/// A key without its section: several sections have parts of the same kind.
+/// A key without its section, because several sections have parts of the same kind.
 template <class Part> struct PartKey {
   std::string_view name, unit;
   double lowest, highest;
@@ -137,7 +137,7 @@ constexpr PartKey<Room::Settings> kRoom[] = {
     {"bright", "Hz", 100, 20000, "frequency at which the decay time is half",
      &Room::Settings::bright_hz}};
 
-// Where the parts lie in a recipe; a cloud's in its last cloud.
+// Access to the parts of a recipe; the parts of a cloud are those of the last cloud.
 Recipe& whole(Recipe& r) { return r; }
 SolidRecipe& solid(Recipe& r) { return r.solid; }
 ModesRecipe& solid_modes(Recipe& r) { return r.solid.modes; }

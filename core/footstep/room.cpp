@@ -11,13 +11,13 @@ namespace {
 constexpr double kDelays[] = {0.00711, 0.00967, 0.01229, 0.01493,
                               0.01787, 0.02111, 0.02473, 0.02887};
 constexpr double kSilentPressure = 1e-12, kMaxPressure = 1e9;
-constexpr double kRingOutFactor = 1.5; // 90 dB, per t60
+constexpr double kRingOutFactor = 1.5; // time in which a sound decays by 90 dB, relative to t60
 
 double clamped(double value, double lowest, double highest) noexcept {
   return value > lowest ? std::min(value, highest) : lowest;
 }
 
-/// Pole of the one-pole low-pass of gain 1 at 0 Hz and this gain at w rad per sample.
+/// Pole of the one-pole low-pass that has gain 1 at 0 Hz and the given gain at w rad per sample.
 double pole_for(double gain, double w) noexcept {
   const double square = gain * gain;
   const double b = (1 - square * std::cos(w)) / (1 - square);
@@ -45,7 +45,7 @@ void Room::set(const Settings& settings) noexcept {
   const double t60 = clamped(settings.t60_s, 0.02, 10);
   const double w =
       2 * std::numbers::pi * clamped(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
-  double mean = 0; // of the gains' squares
+  double mean = 0; // mean of the gains' squares
   for (std::size_t i = 0; i < kLines; ++i) {
     gain_[i] = std::pow(10.0, -3 * kDelays[i] / t60);
     pole_[i] = pole_for(gain_[i], w);

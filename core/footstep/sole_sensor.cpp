@@ -11,36 +11,40 @@ namespace {
 constexpr double kLowPassHz = 200;
 constexpr double kSlopeTime = 0.005;                                 // s
 constexpr double kSwingTimeConstant = 0.2, kFastTimeConstant = 0.02; // s
-constexpr double kMaxDrift = 0.004;                                  // of the weight a second
+constexpr double kMaxDrift = 0.004;                                  // share of the weight per
+                                                                     // second
 constexpr double kFloor = 0.03, kNoise = 0.2;                        // s, time constants in the air
-constexpr double kOn = 0.05, kOff = 0.025;                           // of the weight
-constexpr double kMaxBaselineDrop = 0.02;                            // of the weight
-constexpr double kTouch = 0.0015, kMaxTouchThreshold = 0.08;         // of the weight
+constexpr double kOn = 0.05, kOff = 0.025;                           // shares of the weight
+constexpr double kMaxBaselineDrop = 0.02;                            // share of the weight
+constexpr double kTouch = 0.0015, kMaxTouchThreshold = 0.08;         // shares of the weight
 constexpr double kDeviations = 7;                                    // standard deviations of the
-                                                                     // noise below which a rise is
-                                                                     // no touch
+                                                                     // noise; a smaller rise is no
+                                                                     // touch
 constexpr double kMinNoiseWeight = 0.1;                              // reached after 20 ms in the
                                                                      // air
 constexpr double kMaxLightTouch = 0.5;                               // s
 constexpr double kMinStance = 0.08, kMinSwing = 0.06;                // s
 constexpr double kMaxSwing = 0.4; // s, after which a foot might be put down slowly
-constexpr double kStepSlope = 1;  // weights a second, of the slowest step
+constexpr double kStepSlope = 1;  // weights per second: slope of the slowest step
 constexpr double kMaxCrosstalk = 0.08,
-                 kCrosstalkTime = 20;              // share of the other's force; s until it is
-                                                   // forgotten
-constexpr double kRest = 0.125;                    // of the peak
+                 kCrosstalkTime = 20;              // share of the other region's force; s until it
+                                                   // is forgotten
+constexpr double kRest = 0.125;                    // share of the peak
 constexpr double kMaxFallTime = 0.2;               // s, from half of the peak to kRest
-constexpr double kStill = 0.005;                   // of the weight, in 30 ms
-constexpr double kJump = 0.06, kJumpChange = 0.02; // of the weight, within a sample and after
-constexpr double kMaxJumpTime = 0.04;              // s: sensors read at 25 Hz or more
+constexpr double kStill = 0.005;                   // share of the weight, within 30 ms
+constexpr double kJump = 0.06, kJumpChange = 0.02; // shares of the weight: change within one
+                                                   // sample, and change after it
+constexpr double kMaxJumpTime = 0.04;              // s; long enough for sensors read at 25 Hz or
+                                                   // more
 constexpr double kRiseTime = 0.0022, kFirmRiseTime = 0.0035;  // s
-constexpr double kFirm = 0.008;                               // of the weight
+constexpr double kFirm = 0.008;                               // share of the weight
 constexpr double kMinSensedSpeed = 0.02, kMaxSensedSpeed = 2; // m/s
 constexpr double kStiffening = 1.5;                           // F ~ x^kStiffening
 constexpr double kMaxForce = 1e5;                             // N
 
-/// Typical landing speed, m/s, and slope, weights a second, walking at 1.4 m/s in usual shoes: of a
-/// heel that lands first; of a ball that lands first, as on stairs; of the part that lands second.
+/// Typical landing speed, m/s, and slope, weights per second, when walking at 1.4 m/s in usual
+/// shoes: of a heel that lands first; of a ball that lands first, as on stairs; of the part that
+/// lands second.
 struct TypicalLanding {
   double speed, slope;
 };
@@ -113,7 +117,7 @@ void SoleChannel::start_sums() noexcept {
 }
 
 double SoleChannel::touch_threshold_n(double weight_n) const noexcept {
-  if (noise_weight_ < kMinNoiseWeight) // too short a time in the air
+  if (noise_weight_ < kMinNoiseWeight) // the foot was in the air for too short a time
     return kMaxTouchThreshold * weight_n;
   const double deviation = std::sqrt(variance_ / noise_weight_);
   return std::clamp(kDeviations * deviation, kTouch * weight_n, kMaxTouchThreshold * weight_n);
@@ -127,8 +131,8 @@ void SoleChannel::next(double force_n, Follow follow, double weight_n, bool free
   s2_ = b2_ * x - a2_ * y;
   reading_ = y;
   delayed_ += floor_coefficient_ * (y - delayed_);
-  // The baseline follows lower readings at once: by up to kMaxBaselineDrop below zero, without
-  // limit in a swing whose reading is still.
+  // The baseline follows lower readings at once: by up to kMaxBaselineDrop below zero, or without
+  // limit in a swing with a constant reading.
   const bool still = std::abs(change()) < kStill * weight_n + touch_threshold_n;
   const double lowest = follow == Follow::kSwing && still
                             ? y
@@ -144,7 +148,8 @@ void SoleChannel::next(double force_n, Follow follow, double weight_n, bool free
   force_ = std::max(0.0, y - baseline_);
   rise_ = y - floor_;
   if (free) {
-    // Only rises count as noise, not the fall as the foot leaves the ground. A touch is clamped.
+    // Only rises count as noise, not the fall as the foot leaves the ground. The rise of a touch is
+    // clamped.
     const double up = std::clamp(rise_ - crosstalk_n, 0.0, touch_threshold_n);
     variance_ += noise_coefficient_ * (2 * up * up - variance_);
     noise_weight_ += noise_coefficient_ * (1 - noise_weight_);
@@ -220,7 +225,8 @@ bool SoleSensor::lands(Region& region, const Region& other, double& landing) noe
     region.touch_threshold_n = channel.touch_threshold_n(weight_n_);
   if (region.since_s < kMinSwing)
     return false;
-  if (region.jump_s >= 0) { // undecided until kMaxJumpTime; then it is a sensor that was plugged in
+  if (region.jump_s >= 0) { // the jump is undecided until kMaxJumpTime; then a sensor was plugged
+                            // in
     region.loaded = region.down = region.jump_s > kMaxJumpTime;
     return region.down;
   }
@@ -260,8 +266,8 @@ bool SoleSensor::lifts(Region& region, const Region& other) noexcept {
     channel.rebase();
     return true;
   }
-  // A stance ends at kOff. A light touch ends below half of its threshold, or after kMaxLightTouch,
-  // from which on it counts as the pressure of the shoe itself.
+  // A stance ends at kOff. A light touch ends below half of its threshold, or after kMaxLightTouch;
+  // a longer touch counts as the pressure of the shoe itself.
   return region.loaded
              ? level < kOff + region.crosstalk * other.channel.force() / weight_n_
              : channel.rise() < 0.5 * region.touch_threshold_n || region.since_s > kMaxLightTouch;

@@ -17,7 +17,8 @@ public:
   /// 32 points and both increase strictly.
   bool set(std::span<const double> readings_and_forces) noexcept;
   void clear() noexcept { count_ = 0; }
-  /// Force of a reading, N; outside the table extrapolated linearly. Without a table, the reading.
+  /// Force of a reading, N, extrapolated linearly outside the table. Without a table, the reading
+  /// itself.
   [[nodiscard]] double force(double reading) const noexcept;
 
 private:
@@ -35,9 +36,9 @@ public:
   /// sensors drift, until a landing decides whether the rise was a load (keep_baseline()). In a
   /// swing: freely.
   enum class Follow { kStance, kAir, kSwing };
-  /// One sample, force_n in N. `free`: this region is in the air, so floor and noise are updated.
-  /// Rises above touch_threshold_n, and the share of the other region's force, do not count as
-  /// noise.
+  /// Processes one sample, force_n in N. `free`: this region is in the air, so floor and noise are
+  /// updated. Rises above touch_threshold_n, and the share of the other region's force, do not
+  /// count as noise.
   void next(double force_n, Follow follow, double weight_n, bool free = false,
             double touch_threshold_n = 20, double crosstalk_n = 0) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N
@@ -53,8 +54,8 @@ public:
   void rebase_floor() noexcept { floor_ += rise_; }
   /// Makes the current reading the baseline.
   void rebase() noexcept { baseline_ = known_baseline_ = reading_; }
-  /// At a landing. `keep` false: the landing was so slow that the rise before it was load, not
-  /// drift.
+  /// To be called at a landing. `keep` false: the landing was so slow that the rise before it was
+  /// load, not drift.
   void keep_baseline(bool keep) noexcept {
     if (keep)
       known_baseline_ = baseline_;
@@ -66,8 +67,8 @@ private:
   void start_sums() noexcept;
 
   double rate_ = 48000, force_ = 0, slope_ = 0, baseline_ = 0;
-  double reading_ = 0, delayed_ = 0; ///< low-passed reading, and low-passed with 30 ms
-  double known_baseline_ = 0;        ///< of the last swing
+  double reading_ = 0, delayed_ = 0; ///< low-passed reading; the same, low-passed again with 30 ms
+  double known_baseline_ = 0;        ///< baseline of the last swing
   double swing_coefficient_ = 0, fast_coefficient_ = 0, floor_coefficient_ = 0,
          noise_coefficient_ = 0;
   double floor_ = 0, rise_ = 0, variance_ = 0;
@@ -75,23 +76,23 @@ private:
   double b0_ = 1, b1_ = 0, b2_ = 0, a1_ = 0, a2_ = 0, s1_ = 0, s2_ = 0; // low-pass
   std::vector<double> window_;
   std::size_t write_index_ = 0;
-  double sum_ = 0, index_weighted_sum_ = 0; // over the last 5 ms
+  double sum_ = 0, index_weighted_sum_ = 0; // sums over the last 5 ms
 };
 
 /// Forces and step phases of one foot from its two sensors.
 ///
 /// A region lands once its force has exceeded the noise (touch_threshold_n) for 2.2 ms, or for 3.5
-/// ms if the contact is firm, and at the latest when it carries 5 % of the body's weight. The slope
-/// at that moment gives the landing speed v: a pad of F ~ x^1.5 (Hertz) has a slope ~ v^1.5. The
-/// region lifts below 2.5 % of the weight; if it never carried 5 %, below half of the noise
-/// threshold, or after 0.5 s. A stance lasts at least 80 ms, a swing at least 60 ms.
+/// ms if the contact is firm. It lands at the latest when it carries 5 % of the body's weight. The
+/// slope at that moment gives the landing speed v: a pad of F ~ x^1.5 (Hertz) has a slope ~ v^1.5.
+/// The region lifts below 2.5 % of the weight. If it never carried 5 %, it lifts below half of the
+/// noise threshold, or after 0.5 s. A stance lasts at least 80 ms, a swing at least 60 ms.
 ///
 /// Three errors of sensors are handled. Crosstalk: part of the force under one region reaches the
-/// other's sensor. All thresholds rise by that part, which is taken as 8 % until a step shows a
-/// smaller one. Drift of zero: a region whose force falls from half of its peak to an eighth within
-/// 0.2 s and then stays constant for 60 ms is in the air, whatever reading remains. Plugging in: a
-/// force that jumps within one sample and then stays constant sets the region standing, without a
-/// landing.
+/// sensor of the other region. All thresholds rise by that part, which is taken as 8 % until a step
+/// shows a smaller one. Drift of zero: a region whose force falls from half of its peak to an
+/// eighth within 0.2 s and then stays constant for 60 ms is in the air, whatever reading remains.
+/// Plugging in: a force that jumps within one sample and then stays constant sets the region
+/// standing, without a landing.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -107,14 +108,16 @@ public:
 private:
   struct Region {
     SoleChannel channel;
-    double typical_speed, typical_slope; ///< landing speed, m/s, and its slope, weights a second
+    double typical_speed, typical_slope; ///< landing speed, m/s, and slope of the force, weights
+                                         ///< per second
     bool down = false, loaded = false;   ///< loaded: has carried 5 % since it landed
     double since_s = 1, contact_s = 0, touch_threshold_n = 56;
     double crosstalk = 0.08; ///< part of the other region's force
     bool swings = false;     ///< lifted like a foot that takes a step
     double peak = 0, fall_s = 0,
            rest_s = 0; ///< of this stance: peak, weights; duration of its fall; time without change
-    double last_n = 0, jump_n = 0, jump_s = -1; ///< time since a jump to jump_n; below 0: none
+    double last_n = 0, jump_n = 0, jump_s = -1; ///< jump_s: time since a jump to jump_n; below 0:
+                                                ///< none
   };
   void update(Region& region, const Region& other, double force_n, double& landing,
               bool& lifted) noexcept;

@@ -12,9 +12,9 @@ namespace tactus::footstep {
 /// The floor under one region of the sole (heel or ball): a body with modes that parts of the sole
 /// strike one after the other, and that the sole rubs when it slides.
 ///
-/// A landing is the fall of `patches` masses at one speed. The first touches at once, with half of
-/// the mass. The others share the rest and start at heights drawn from an exponential distribution
-/// of mean `unevenness`, so at a slower landing they arrive later.
+/// A landing is the fall of `patches` masses at one speed. The first mass touches at once, with
+/// half of the total mass. The others share the rest of it and start at heights drawn from an
+/// exponential distribution of mean `unevenness`, so at a slower landing they arrive later.
 class StruckFloor {
 public:
   StruckFloor();
@@ -32,7 +32,8 @@ public:
   void draw_contact_positions(const SolidRecipe& solid) noexcept;
   /// Starts a landing of a mass, kg, at a speed > 0, m/s.
   void land(const SolidRecipe& solid, double mass_kg, double speed_m_per_s) noexcept;
-  /// Sliding speed, m/s, and normal force, N, until changed; force 0: no sliding.
+  /// Sliding speed, m/s, and normal force, N, which stay until they are changed. Force 0: no
+  /// sliding.
   void slide(double force_n, double speed_m_per_s) noexcept;
 
   /// Advances by a sample. Returns the velocity at the pickup, m/s.

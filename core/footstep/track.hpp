@@ -30,8 +30,8 @@ public:
     std::size_t piece = 0;
     return at(time_s, piece);
   }
-  /// The same for times that do not decrease from call to call. `piece`, initially 0, keeps the
-  /// index of the current piece.
+  /// Value at a time, for times that do not decrease from call to call. `piece`, initially 0, keeps
+  /// the index of the current piece.
   [[nodiscard]] double at(double time_s, std::size_t& piece) const noexcept {
     if (!(time_s > 0))
       return initial_;

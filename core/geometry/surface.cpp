@@ -138,8 +138,8 @@ SurfacePoint Surface::nearest(const Vec3& point) const noexcept {
       const Vec3 position = blend(corners, weight);
       const Vec3 gap = position - point;
       const double squared = dot(gap, gap);
-      // Of equal distances the triangle of the lower number wins, so that the order of the search
-      // does not matter.
+      // At equal distances the triangle with the lower number wins, so that the result does not
+      // depend on the order of the search.
       if (squared < best_squared || (squared == best_squared && order_[i] < best.triangle)) {
         best_squared = squared;
         best.triangle = order_[i];
@@ -166,7 +166,7 @@ double Surface::diagonal() const noexcept { return norm(boxes_[0].high - boxes_[
 
 Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept {
   constexpr double kFacetSine = 0.342; // sine of 20 degrees
-  constexpr double kMinTangent = 1e-3; // of the desired length
+  constexpr double kMinTangent = 1e-3; // share of the desired length
   for (const Vec3& direction : {desired, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
     const double length = norm(direction), off = dot(direction, normal);
     const Vec3 along = direction - off * normal;

@@ -15,12 +15,12 @@ struct SurfacePoint {
   std::array<double, 3> weight{1, 0, 0}; ///< barycentric, of the triangle's corners; sum 1
   Vec3 position{};
   Vec3 normal{0, 0, 1}; ///< outwards, length 1
-  double distance = 0;  ///< of nearest(): from the given point, m
+  double distance = 0;  ///< of nearest(): distance from the given point, m
 };
 
-/// A triangulated surface that finds its point nearest to a given one: a bounding volume hierarchy
-/// of axis-aligned boxes. Nearest point of a triangle: Ericson, Real-Time Collision Detection,
-/// 2005, section 5.1.5. Units m.
+/// A triangulated surface that finds its nearest point to a given point, by a bounding volume
+/// hierarchy of axis-aligned boxes. Nearest point of a triangle: Ericson, Real-Time Collision
+/// Detection, 2005, section 5.1.5. Units m.
 class Surface {
 public:
   /// Allocates. Every triangle holds three indices into `vertices`. Without triangles empty() is
@@ -32,7 +32,6 @@ public:
   [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
   /// The point of a triangle by the barycentric weights u, v of its second and third corner.
   [[nodiscard]] SurfacePoint on(std::size_t triangle, double u, double v) const noexcept;
-  /// The number of triangles.
   [[nodiscard]] std::size_t triangles() const noexcept { return corner_.size(); }
   [[nodiscard]] const std::array<Vec3, 3>& corners(std::size_t triangle) const noexcept {
     return corner_[triangle];

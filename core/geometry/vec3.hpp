@@ -6,7 +6,7 @@
 namespace tactus {
 
 /// A vector of three doubles, as a rule in the project frame: x right, y up, z towards the user.
-/// The unit is the quantity's: m, m/s, N.
+/// The unit is that of the quantity: m, m/s, N.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
@@ -32,7 +32,8 @@ inline bool is_finite(const Vec3& a) noexcept {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Euclidean length, sqrt(a . a), of what can be neither huge nor tiny: a place, an edge of a mesh.
+/// Euclidean length, sqrt(a . a), of a vector that is neither huge nor tiny, such as a position or
+/// an edge of a mesh.
 inline double length(const Vec3& a) noexcept { return std::sqrt(dot(a, a)); }
 
 /// Euclidean length of any vector. The components are scaled first, so that their squares neither
@@ -45,7 +46,7 @@ inline double norm(const Vec3& a) noexcept {
   return largest * std::sqrt(dot(scaled, scaled));
 }
 
-/// The vector shortened to max_norm where it is longer; its direction stays. Zero for a vector that
+/// The vector, shortened to max_norm if it is longer; its direction stays. Zero for a vector that
 /// is not finite.
 inline Vec3 limited(const Vec3& a, double max_norm) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});

@@ -34,7 +34,8 @@ void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept 
   const double first_angle = 2 * std::numbers::pi * frequency * step_s + 0.5 * chirp_angle;
   const double decay_factor = std::exp(-decay * step_s);
   double life_s = 6.9 / decay; // 60 dB
-  if (chirp > 0)               // ends before 0.48 of the sample rate
+  if (chirp > 0)               // the bubble ends before its frequency reaches 0.48 of the sample
+                               // rate
     life_s = std::min(life_s, (0.48 * sample_rate_ / frequency - 1) / chirp);
   const double angular = 2 * std::numbers::pi * frequency;
   bubbles_[count_++] = {amplitude,

@@ -24,7 +24,8 @@ namespace tactus::particle {
 /// exactly.
 class BubbleBank {
 public:
-  static constexpr std::size_t kMaxBubbles = 128; ///< simultaneous; further ones are dropped
+  static constexpr std::size_t kMaxBubbles = 128; ///< simultaneous bubbles; further ones are
+                                                  ///< dropped
 
   /// A new sample rate, Hz, ends all bubbles.
   void prepare(double sample_rate) noexcept;
@@ -39,9 +40,11 @@ public:
 
 private:
   struct Bubble {
-    double real, imaginary;                   ///< of a exp(-d t + j phase)
-    double envelope, decay_factor;            ///< a exp(-d t), and from a sample to the next
-    double pitch, pitch_step;                 ///< 1 + rise d t, and from a sample to the next
+    double real, imaginary;                   ///< state a exp(-d t + j phase)
+    double envelope, decay_factor;            ///< a exp(-d t), and its factor from a sample to the
+                                              ///< next
+    double pitch, pitch_step;                 ///< 1 + rise d t, and its increment from a sample to
+                                              ///< the next
     double flow, chirp_flow;                  ///< k is flow/pitch + chirp_flow/pitch^2
     double rotation_real, rotation_imaginary; ///< factor from this sample to the next
     double chirp_real, chirp_imaginary;       ///< factor from this rotation to the next

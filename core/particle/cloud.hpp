@@ -19,13 +19,14 @@ struct CloudSettings {
   double count = 200;         ///< events per unit of energy put in
   double attack_s = 0.01;     ///< time constant with which added energy arrives
   double decay_s = 0.05;      ///< time constant with which the energy decays
-  double exponent = 1.5;      ///< of the event energies: density ~ e^-(exponent + 1)
+  double exponent = 1.5;      ///< exponent of the event energies: density ~ e^-(exponent + 1)
   double largest = 100;       ///< largest event energy over the smallest
   double frequency_hz = 1500; ///< median frequency of the grains
   double spread = 0.8;        ///< standard deviation of the logarithm of the frequency
   double lower_by_size = 0;   ///< frequency ~ event energy^-this: large grains sound lower
   double quality = 1;         ///< median Q; standard deviation of its logarithm: 0.2
-  double length_s = 0.004;    ///< median length of the grains; of its logarithm: 0.4
+  double length_s = 0.004;    ///< median length of the grains; standard deviation of its logarithm:
+                              ///< 0.4
   double rise = 0.1;          ///< relative rise of a bubble's frequency in the time 1/d
   double level = 1;           ///< strength of the sound
 };
@@ -45,8 +46,8 @@ public:
   void prepare(double sample_rate) noexcept;
   /// Settings out of range are clamped; NaN counts as the lowest value.
   void set(const CloudSettings& settings) noexcept;
-  /// Factors on frequency, decay and level of the settings, until changed: variation from step to
-  /// step. Clamped to 0.1..10, 0.1..10 and 0..100.
+  /// Factors on frequency, decay and level of the settings, for variation from step to step. They
+  /// stay until they are changed, and are clamped to 0.1..10, 0.1..10 and 0..100.
   void vary(double frequency, double decay, double level) noexcept;
   void reset() noexcept;
   /// Also redraws the next event and the rustle's noise, so that all later output depends on the
@@ -64,7 +65,7 @@ public:
   /// Sum over the events of the last sample of sqrt(event energy E), scaled so that `level` times
   /// the sum is the sum of their strengths. 0 for a rustle, which has no single events.
   [[nodiscard]] double impulse() const noexcept { return impulse_; }
-  /// Sum of the squares of these: the squared strength of events with random signs.
+  /// Sum over these events of the squares: the squared strength of events with random signs.
   [[nodiscard]] double impulse_squared() const noexcept { return impulse_squared_; }
   /// True if nothing sounds and no event will follow before energy arrives.
   [[nodiscard]] bool silent() const noexcept {
@@ -85,7 +86,7 @@ private:
   double root_decay_ = 1;                    ///< square root of the store's decay time, s^(1/2)
   double expected_ = 0;                      ///< mean number of events in a sample at E = 1
   double normalisation_ = 1;                 ///< 1/sqrt(mean event energy count)
-  double impulse_ = 0, impulse_squared_ = 0; ///< of the last sample
+  double impulse_ = 0, impulse_squared_ = 0; ///< impulses of the last sample
   std::uint64_t events_ = 0;
   Random random_;
   EnergyStore store_;

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-/// The members of CloudSettings, a row each.
+/// One row for each member of CloudSettings.
 namespace tactus::particle {
 
 inline constexpr std::array<std::string_view, 3> kKinds{"grains", "bubbles", "rustle"};

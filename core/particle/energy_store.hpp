@@ -29,8 +29,8 @@ public:
   /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void add_energy(double energy) noexcept { pending_ += energy > 0 ? std::min(energy, 1e3) : 0; }
 
-  /// Advances by a sample with this power, 1/s, in addition. Returns the energy at its end. Power
-  /// is clamped to 0..1e6; NaN counts as 0.
+  /// Advances by a sample, with this additional power, 1/s. Returns the energy at the end of the
+  /// sample. Power is clamped to 0..1e6; NaN counts as 0.
   double advance(double power) noexcept {
     power = power > 0 ? std::min(power, 1e6) : 0;
     power += pending_ * release_rate_;
@@ -50,8 +50,9 @@ private:
 
   double attack_s_ = 0.01, decay_s_ = 0.1;
   double decay_factor_ = 0, attack_factor_ = 0;
-  double release_rate_ = 0;     ///< mean power of the energy arriving in a sample, per pending, 1/s
-  double energy_per_power_ = 0; ///< energy at the end of a sample per power in it, s
+  double release_rate_ = 0;     ///< mean power of the energy that arrives in a sample, per pending
+                                ///< energy, 1/s
+  double energy_per_power_ = 0; ///< energy at the end of a sample per power in that sample, s
   double energy_ = 0, pending_ = 0; ///< pending_: not yet arrived
 };
 

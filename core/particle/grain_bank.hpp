@@ -19,9 +19,9 @@ struct Grain {
 /// Plays many grains at once, each with its own frequency, quality and noise.
 ///
 /// The expected energy of a grain is strength^2 at any sample rate. Noise, envelope and filter are
-/// independent, so the energy is noise variance times the sum of envelope^2 times the sum of h^2, h
-/// being the impulse response. For the bilinear band-pass the sum of h^2 is a / (1 + a),
-/// a = sin(w) / (2 Q), w = 2 pi frequency / sample rate.
+/// independent, so the energy is noise variance times the sum of envelope^2 times the sum of h^2,
+/// with the impulse response h. For the bilinear band-pass the sum of h^2 is a / (1 + a), a =
+/// sin(w) / (2 Q), w = 2 pi frequency / sample rate.
 class GrainBank {
 public:
   static constexpr std::size_t kMaxGrains = 256; ///< simultaneous grains; further ones are dropped

@@ -15,7 +15,7 @@ namespace tactus::particle {
 /// whose mean power at constant energy E, far from the limits of the banks, is
 ///     gain^2 (direct^2 + sum g_i^2) level^2 E^2 / decay.
 /// E is relative: 1 is the energy of one ordinary shake or step. The collisions have random signs
-/// on the body. A rustle excites the body by white noise of the power of collisions of the same
+/// on the body. A rustle excites the body by white noise with the power of collisions of the same
 /// level.
 class ParticleSystem {
 public:
@@ -30,15 +30,15 @@ public:
   /// Settings of the particles, clamped as Cloud::set() does.
   void set(const CloudSettings& settings) noexcept;
   /// Modes of the body, and the gain 0..1 of the direct sound of the particles. The gain is
-  /// smoothed like set_gain()'s.
+  /// smoothed as in set_gain().
   void set_body(std::span<const RingingMode> modes, double direct) noexcept;
   /// Gain of the sound, smoothed with a time constant of 5 ms; takes effect at once during silence.
   void set_gain(double gain) noexcept { gain_ = gain; }
   void seed(std::uint64_t value) noexcept;
   /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void shake(double energy) noexcept;
-  /// Fades all sound out within 5 ms, then restarts the random sequence. Energy of shakes meanwhile
-  /// is added after the fade.
+  /// Fades all sound out within 5 ms, then restarts the random sequence. The energy of shakes
+  /// during the fade is added after it.
   void reset() noexcept;
   /// One sample, while energy arrives with this power, 1/s. NaN and negative power count as 0.
   Sample next(double power) noexcept;
@@ -60,7 +60,7 @@ private:
   Random random_; ///< signs of the collisions, and the noise by which a rustle excites the body
   double sample_rate_ = 48000;
   double direct_ = 1, smooth_direct_ = 1, gain_ = 1, smooth_gain_ = 1, smoothing_step_ = 1;
-  int fade_samples_ = 240, fade_left_ = 0; ///< of a reset: length, and samples that remain
+  int fade_samples_ = 240, fade_left_ = 0; ///< fade of a reset: length, and samples that remain
   double pending_energy_ = 0;              ///< energy of the shakes during a reset
 };
 

@@ -12,7 +12,8 @@ namespace tactus::particle {
 /// right statistics at any sample rate. One sample may hold several events, each at its own time.
 class PoissonClock {
 public:
-  /// Most events in one interval; further ones are dropped. 64 a sample are 3 million a second.
+  /// Largest number of events in one interval; further ones are dropped. 64 per sample are 3
+  /// million per second.
   static constexpr int kMaxEvents = 64;
 
   void reset() noexcept { armed_ = false; }
@@ -33,7 +34,8 @@ public:
       elapsed += time_to_event_;
       time_to_event_ = exponential(random);
       if (count == kMaxEvents)
-        return count; // memoryless: a new waiting time has the distribution of the remaining one
+        return count; // the process is memoryless: a new waiting time has the distribution of the
+                      // remaining one
       ++count;
       event(elapsed / expected);
     }
@@ -41,7 +43,7 @@ public:
     return count;
   }
 
-  /// Exponentially distributed number of mean 1.
+  /// Exponentially distributed number with mean 1.
   static double exponential(Random& random) noexcept { return -std::log1p(-random.uniform()); }
 
 private:

@@ -12,7 +12,7 @@ using Kind = CloudSettings::Kind;
 // ToolKit) are factors per sample at 22.05 kHz. They convert as follows:
 //   K, energy kept by the system:  decay = -1 / (22050 ln K)
 //   S, level kept by a grain:      length = -1 / (22050 ln S)
-//   N objects:                     count / decay = 22050 N / 1024 collisions a second at E = 1
+//   N objects:                     count / decay = 22050 N / 1024 collisions per second at E = 1
 //   R, pole radius of a resonance: quality = pi f / (-22050 ln R), or T60 = ln 1000 / (-22050 ln R)
 // All his collisions have the same energy: largest = 1.001.
 constexpr std::array kPresets{
@@ -108,8 +108,9 @@ constexpr std::array kPresets{
              {6742, 0.31, 0.8},
              {11659, 0.31, 0.4},
              {15695, 0.31, 0.3}}}},
-    // Drops of 1 to 4 mm at their terminal velocities, 4 to 9 m/s (Gunn & Kinzer 1949), spread in
-    // 0.25 to 0.45 ms. Sizes of rain of 10 mm/h (Marshall & Palmer 1948), as a power law of energy.
+    // Drops of 1 to 4 mm at their terminal velocities, 4 to 9 m/s (Gunn & Kinzer 1949); they spread
+    // within 0.25 to 0.45 ms. Sizes of rain of 10 mm/h (Marshall & Palmer 1948), as a power law of
+    // energy.
     Preset{"rain",
            {.count = 400,
             .attack_s = 0.05,
@@ -122,8 +123,8 @@ constexpr std::array kPresets{
             .quality = 0.7,
             .length_s = 0.0005,
             .level = 0.0184}},
-    // Cook's sandpaper for the band (4500 Hz, R .6); count and sizes as footstep~'s sand, which is
-    // fitted to recordings.
+    // The band is that of Cook's sandpaper (4500 Hz, R .6); count and sizes are those of
+    // footstep~'s sand, which is fitted to recordings.
     Preset{"sand",
            {.count = 600,
             .attack_s = 0.005,
@@ -135,7 +136,8 @@ constexpr std::array kPresets{
             .quality = 1.26,
             .length_s = 0.0005,
             .level = 0.0171}},
-    // Crumpling: exponents 0.3 to 0.6 (Houle & Sethna 1996); the rest near footstep~'s dry leaves.
+    // Crumpling: exponents 0.3 to 0.6 (Houle & Sethna 1996); the other settings are close to those
+    // of footstep~'s dry leaves.
     Preset{"leaves",
            {.count = 150,
             .attack_s = 0.02,

@@ -48,7 +48,7 @@ private:
   std::array<RingingMode, kMaxModes> modes_{};
   std::array<double, kMaxModes> onset_{}; ///< amplitude for strength 1
   std::array<double, kMaxModes> pole_real_{}, pole_imaginary_{};
-  std::array<double, kMaxModes> real_{}, imaginary_{}; ///< of a exp(-d t + j w t)
+  std::array<double, kMaxModes> real_{}, imaginary_{}; ///< state a exp(-d t + j w t)
 };
 
 } // namespace tactus::particle

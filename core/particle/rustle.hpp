@@ -21,7 +21,7 @@ public:
   /// frequency of each band is clamped to 10 Hz..0.45 of the sample rate.
   void set(double frequency_hz, double spread, double quality) noexcept;
   void reset() noexcept;
-  /// The next sample draws the noise from its `random`.
+  /// The next sample draws the noise again from its `random`.
   void redraw() noexcept { noise_.fill(0); }
   /// One sample of noise of variance 1 at any sample rate.
   double next(Random& random) noexcept;

@@ -11,15 +11,15 @@
 namespace tactus::serve {
 
 struct ModesReady {
-  std::uint64_t modes = 0, vertices = 0, parameters = 0; ///< of the table: K, V, P
+  std::uint64_t modes = 0, vertices = 0, parameters = 0; ///< sizes of the table: K, V, P
 };
 
 /// The fixed part of an answer. `shares` modal::ModeShares follow
 /// (core/modal/table/resolved_modes.hpp), then to the end a modal table (NPZ) of the new shape,
 /// whose array `displacement` [P] holds the parameters that were reached.
 struct ModesAnswer {
-  double seconds = 0;  ///< that the solve took
-  double fraction = 1; ///< of the move that keeps the mesh valid
+  double seconds = 0;  ///< duration of the solve
+  double fraction = 1; ///< share of the move that keeps the mesh valid
   std::uint64_t shares = 0;
 };
 

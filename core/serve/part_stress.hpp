@@ -22,12 +22,12 @@ struct ServeReady {
   double product_s = 0, solve_s = 0, factor_s = 0; ///< measured
 };
 
-/// The fixed part of an answer. There follow f64 parameters [P] (those reached), f32 von Mises [N],
-/// f32 max shear [N] and, if asked for, f32 S [P,N], f32 S_shear [P,N].
+/// The fixed part of an answer. After it come f64 parameters [P] (those reached), f32 von Mises
+/// [N], f32 max shear [N] and, if requested, f32 S [P,N], f32 S_shear [P,N].
 struct StressAnswer {
   std::uint32_t method = 0, iterations = 0;
   double seconds = 0;
-  double fraction = 1; ///< of the move that keeps the mesh valid
+  double fraction = 1; ///< share of the move that keeps the mesh valid
   double residual = 0;
 };
 

@@ -15,7 +15,7 @@ struct ServeHeader {
 
 enum class ServeKind : std::uint32_t {
   solve = 1,    ///< core/serve/part_stress.hpp, core/serve/modal_fem.hpp
-  quit = 2,     ///< nothing
+  quit = 2,     ///< without data
   ready = 16,   ///< the part is loaded: ServeReady, ModesReady
   stress = 17,  ///< see StressAnswer
   refused = 18, ///< one sentence

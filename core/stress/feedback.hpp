@@ -41,7 +41,7 @@ struct FeedbackSettings {
   Weights weights = Weights::kUniform; ///< kVolume: uniform if the table has no volumes
   Sensitivity sensitivity = Sensitivity::kAbsolute;
   State state = State::kVonMises;
-  Norm norm = Norm::kMean; ///< kSum: N times the mean; with a power N^(1/q) times it
+  Norm norm = Norm::kMean; ///< kSum: N times the mean; with a power, N^(1/q) times the power mean
   unsigned power = 1;      ///< q, 1..kMaxPower; used by the mean mapping only
   friend bool operator==(const FeedbackSettings&, const FeedbackSettings&) = default;
 };
@@ -68,16 +68,18 @@ struct FeedbackTask {
   std::span<const TaylorTerm> terms;
   const float* weight = nullptr;   ///< [N]; null: 1
   std::array<const float*, 3> h{}; ///< [N] each; null: 0
-  bool absolute = false;           ///< |h| for h
+  bool absolute = false;           ///< uses |h| in place of h
   Mapping mapping = Mapping::kMean;
   unsigned power = 1;    ///< q; 1: no sum of powers
   double scale_pa = 1.0; ///< divisor of the stress in the sum of powers
 };
 
 struct FeedbackSums {
-  Extremes stress;                   ///< of s
-  std::array<Extremes, 3> product{}; ///< of h s; weighted mapping: [0] only; axis: one per axis
-  Extremes power; ///< of (s/scale)^q, s/scale clamped to 0..kMaxShare; mean mapping with q > 1
+  Extremes stress;                   ///< sum and extremes of s
+  std::array<Extremes, 3> product{}; ///< those of h s; weighted mapping: [0] only; axis: one per
+                                     ///< axis
+  Extremes power; ///< those of (s/scale)^q, s/scale clamped to 0..kMaxShare; mean mapping with q >
+                  ///< 1
 };
 
 /// Computes FeedbackSums of s = stress + sum of terms. Every instruction set gives the same bits.
@@ -86,7 +88,7 @@ public:
   virtual ~FeedbackKernel() = default;
   [[nodiscard]] virtual FeedbackSums run(const FeedbackTask& task) const noexcept = 0;
 };
-/// The implementation for the widest set up to this one that the processor runs.
+/// The implementation for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] const FeedbackKernel*
 feedback_kernel(simd::VectorSet widest = simd::kWidest) noexcept;
 [[nodiscard]] const FeedbackKernel* feedback_kernel(simd::Baseline) noexcept;

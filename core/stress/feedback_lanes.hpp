@@ -5,8 +5,8 @@
 
 /// FeedbackKernel, written once for any instruction set. The set is a template parameter, so the
 /// linker cannot use code for a newer processor in place of code for an older one. Sums run over
-/// eight lanes and then across these in one order, without fused operations. So every set gives the
-/// same bits.
+/// eight lanes, then across the lanes in a fixed order, without fused operations. So every set
+/// gives the same bits.
 namespace tactus::stress {
 
 template <class Set>

@@ -25,7 +25,7 @@ public:
     double factor_s = 0;  ///< assembly and factorisation
   };
   struct Result {
-    std::string refusal; ///< why there is no new base; empty: success
+    std::string refusal; ///< reason why there is no new base; empty: success
     std::shared_ptr<const StressBase> base;
     Method method = Method::kPcg;
     unsigned iterations = 0;
@@ -44,7 +44,7 @@ public:
   /// cannot start.
   [[nodiscard]] virtual std::string start(std::span<const double> displacement_m, Method method,
                                           bool sensitivities) = 0;
-  /// The result of the last start(), once; or, once, the reason why the solver is lost.
+  /// The result of the last start(), or the reason why the solver is lost; each is returned once.
   [[nodiscard]] virtual std::optional<Result> poll() = 0;
 };
 

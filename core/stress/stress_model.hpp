@@ -34,7 +34,7 @@ public:
   /// control points that have parameters. A table without shear stress or volumes falls back to von
   /// Mises stress and uniform weights. Allocates.
   void select(const FeedbackSettings& settings, std::optional<std::size_t> control_point);
-  /// Sets a new base that check_base() accepts; null: the table's own. Allocates.
+  /// Sets a new base that check_base() accepts; null: the base of the table. Allocates.
   void rebase(std::shared_ptr<const StressBase> base);
   /// Feedback at displacement_m, [P]; NaN and infinities count as 0. Does not allocate.
   [[nodiscard]] const Feedback& update(std::span<const double> displacement_m) noexcept;

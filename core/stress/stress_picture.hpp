@@ -19,17 +19,17 @@ struct PictureFace {
 /// A side view of the part at one shape. `stress_scale_pa` is the largest stress of a face in the
 /// table's own shape, so that colours can be compared between shapes.
 struct Picture {
-  std::vector<PictureFace> faces; ///< from the farthest to the nearest
+  std::vector<PictureFace> faces; ///< faces from the farthest to the nearest
   double stress_scale_pa = 0, width_m = 0;
 };
 
 /// Draws the surface of a part in parallel projection, seen from +z: x to the right, y up.
 ///
-/// A vertex v moves by sum_c W[v][c] d_c, W the table's surface weights and d_c the displacements
-/// of the control points (free-form deformation). Without weights the surface keeps its shape. The
-/// stress of a vertex is that of its element, from the model's series. Faces that point away from
-/// the viewer in the table's shape are omitted; the others are sorted by depth, so that drawing
-/// them in order hides covered parts.
+/// A vertex v moves by sum_c W[v][c] d_c, with the table's surface weights W and the displacements
+/// d_c of the control points (free-form deformation). Without weights the surface keeps its shape.
+/// The stress of a vertex is that of its element, from the model's series. Faces that point away
+/// from the viewer in the table's shape are omitted; the others are sorted by depth, so that
+/// drawing them in order hides covered parts.
 class StressPicture {
 public:
   explicit StressPicture(const StressTable& table);

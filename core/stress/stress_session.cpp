@@ -12,7 +12,7 @@ namespace {
 
 // Poll intervals: of a solve, of a solver that loads its part, and of an idle solver.
 constexpr double kPoll_s = 0.002, kStartingPoll_s = 0.02, kIdlePoll_s = 0.5;
-constexpr double kReached = 1e-6; // of the trust size: two shapes closer than this are equal
+constexpr double kReached = 1e-6; // share of the trust size: two shapes closer than this are equal
 
 } // namespace
 
@@ -78,7 +78,7 @@ void StressSession::take_solution() {
   }
 }
 
-/// The method of a solve that is due, if any. If the shape is the base's own, a solve is due only
+/// The method of a solve that is due, if any. If the shape is that of the base, a solve is due only
 /// for the sensitivities.
 std::optional<Method> StressSession::due(double now_s, const SessionRequest& request) {
   const double ratio = result_.feedback.trust_ratio;

@@ -17,7 +17,7 @@ struct SessionRequest {
   std::uint64_t table = 0; ///< number of the table for which it was made
   FeedbackSettings settings;
   Resolve resolve = Resolve::kAuto;
-  int control_point = -1;             ///< the grabbed one; -1: none
+  int control_point = -1;             ///< the grabbed control point; -1: none
   std::vector<double> displacement_m; ///< [P]
   std::uint64_t picture = 0;          ///< a change of this number requests a picture
 };
@@ -28,8 +28,8 @@ struct SessionResult {
   std::uint64_t table = 0;
   std::uint64_t base_changes = 0; ///< number of new bases and settings; at each, gamma is faded
   Feedback feedback;
-  Method method = Method::kTaylor; ///< of this value
-  unsigned iterations = 0;         ///< of the last solve
+  Method method = Method::kTaylor; ///< method by which this value was found
+  unsigned iterations = 0;         ///< iterations of the last solve
   double solve_s = 0;              ///< duration of the last solve; 0 before the first
   double update_s = 0;             ///< duration of the last evaluation, measured by the caller
   double error = 0;                ///< estimate of the relative error of the mean stress
@@ -49,7 +49,8 @@ struct SessionResult {
 class StressSession {
 public:
   /// Initial estimate of the relative error of the mean stress at the trust size: measured on a
-  /// cantilever moved by 0.1 of its height. The first solve replaces it by the part's own.
+  /// cantilever moved by 0.1 of its height. The first solve replaces it by an estimate for the
+  /// part.
   static constexpr double kTrustError = 0.01;
 
   explicit StressSession(std::shared_ptr<const StressTable> table,
@@ -58,12 +59,12 @@ public:
   /// Evaluates a request at the time now_s. request.displacement_m has the table's size [P].
   /// Allocates when settings or the base change.
   const SessionResult& step(double now_s, const SessionRequest& request);
-  /// When the next step is due without a new request; infinity: never.
+  /// Time at which the next step is due without a new request; infinity: never.
   [[nodiscard]] double due_s() const noexcept;
   /// Replaces the solver; null: none.
   void attach(std::unique_ptr<Reanalysis> reanalysis);
   [[nodiscard]] bool can_solve() const noexcept { return reanalysis_ != nullptr; }
-  /// Reason of a failed solve since the last call; empty: none.
+  /// Reason for a failed solve since the last call; empty: none.
   [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
   [[nodiscard]] const StressTable& table() const noexcept { return model_.table(); }
 

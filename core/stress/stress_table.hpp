@@ -29,7 +29,7 @@ struct StressBase {
 using design::DesignParameter;
 using design::kMaxControlPoints;
 
-/// Written by an offline finite-element program, read by files/tables.hpp;
+/// A stress table, written by an offline finite-element program and read by files/tables.hpp;
 /// docs/formats/stress_table.md lists the arrays.
 struct StressTable {
   StressBase base;
@@ -37,20 +37,22 @@ struct StressTable {
   std::vector<DesignParameter> parameters;
   std::vector<Vec3> control_point_m;
   double trust_m = 0; ///< largest displacement of a control point for which Taylor's error is small
-  std::vector<Vec3> surface_node_m;                          ///< for drawing, or empty
+  std::vector<Vec3> surface_node_m;                          ///< nodes for drawing, or empty
   std::vector<std::array<std::int32_t, 3>> surface_triangle; ///< counterclockwise from outside
   std::vector<std::int32_t> surface_node_element;            ///< [V] element that colours the node
-  std::vector<float> surface_weight; ///< [V][C] motion of a node over a control point's, or empty
+  std::vector<float> surface_weight; ///< [V][C] motion of a node relative to that of a control
+                                     ///< point, or empty
   std::string name, material, loads;
-  bool has_mesh = false; ///< of part_stress, which solves it at other shapes
+  bool has_mesh = false; ///< the table has a mesh of part_stress, which solves it at other shapes
 
   [[nodiscard]] std::size_t elements() const noexcept { return base.von_mises.stress.size(); }
   [[nodiscard]] bool has_shear() const noexcept { return !base.max_shear.stress.empty(); }
 };
 
 inline constexpr std::size_t kMaxElements = 5'000'000;
-inline constexpr float kMaxStress_pa = 1e15F;                ///< both scalars lie from 0 to here
-inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P: 1 GB a field
+inline constexpr float kMaxStress_pa = 1e15F;                ///< largest value of both scalars; the
+                                                             ///< smallest is 0
+inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P; 1 GB per field
 
 /// Reason why a re-solved base does not fit the table (sizes, impossible stresses); else empty.
 [[nodiscard]] std::string check_base(const StressTable& table, const StressBase& base);

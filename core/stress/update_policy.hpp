@@ -14,10 +14,10 @@ enum class Resolve : std::uint8_t { kAuto, kTaylor, kPcg, kFull };
 /// and of a solve with a new factor:
 ///     t_pcg  = n (product + solve),  n = n_0 + n_1 r
 ///     t_full = factor + solve
-/// r: displacement from the factorised shape over the trust size. n: iterations. n_0 and n_1 are
-/// the line through the iterations measured on a cantilever (7 at r = 0.5, 10 at 1, 14 at 2;
-/// tolerance 1e-8), scaled to those of the part's own solves. Above 15 iterations a new factor is
-/// chosen, because it makes later solves cheap.
+/// r: displacement from the factorised shape over the trust size. n: iterations. The line n_0 + n_1
+/// r passes through the iterations measured on a cantilever (7 at r = 0.5, 10 at 1, 14 at 2;
+/// tolerance 1e-8), and is scaled to the iterations of the part's own solves. Above 15 iterations a
+/// new factor is chosen, because it makes later solves cheap.
 class CostModel {
 public:
   static constexpr double kBaseIterations = 4.5, kIterationsPerRatio = 5; ///< n_0, n_1
@@ -41,18 +41,20 @@ private:
 class UpdatePolicy {
 public:
   static constexpr double kSettleTime_s = 0.15;
-  static constexpr double kMinRatio = 1e-9; ///< trust_ratio below which the shape is the base's
+  static constexpr double kMinRatio = 1e-9; ///< trust_ratio below which the shape is that of the
+                                            ///< base
 
   void moved(double now_s) noexcept { moved_s_ = now_s; }
   /// Method of the solve to start now, if any. trust_ratio: displacement from the base over the
-  /// trust size; factor_ratio: the same from the shape of the last full solution.
+  /// trust size; factor_ratio: the same ratio for the displacement from the shape of the last full
+  /// solution.
   [[nodiscard]] std::optional<Method> due(double now_s, Resolve resolve, double trust_ratio,
                                           double factor_ratio) const noexcept;
   /// True if the part has not moved for kSettleTime_s.
   [[nodiscard]] bool at_rest(double now_s) const noexcept {
     return now_s - moved_s_ >= kSettleTime_s;
   }
-  /// When the part is at rest, if it does not move.
+  /// Time at which the part is at rest if it does not move until then.
   [[nodiscard]] double rest_s() const noexcept { return moved_s_ + kSettleTime_s; }
   CostModel costs;
 

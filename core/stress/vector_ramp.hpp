@@ -28,7 +28,6 @@ public:
     fade_end_s_ = now_s + fade_s;
     approach(target, now_s, fade_s);
   }
-  /// Value at a time.
   [[nodiscard]] Vec3 at(double now_s) noexcept {
     if (value_ == target_)
       return value_;

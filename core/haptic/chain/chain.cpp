@@ -9,7 +9,7 @@ constexpr double kMaxLocalForce_n = 1e6;
 constexpr double kMaxPosition_m = 1e3;
 constexpr double kMaxSpeed_m_per_s = 1e4;
 constexpr double kNoticed_s = 0.5;
-// A change of the force that a hand may notice: a twentieth, and 20 mN.
+// A change of the force that a hand may notice: 5 % of the force, and at least 20 mN.
 constexpr double kNoticeableShare = 0.05, kNoticeable_n = 0.02;
 constexpr std::uint64_t kMaxAutoInterpolation_ticks = 50;
 
@@ -65,7 +65,7 @@ double watchdog_gain(ChainState& state, const ChainSettings& settings, const Cha
     state.tripped = false;
   }
   if (state.alive_gain < 1e-12)
-    state.alive_gain = 0.0; // rounding of the sum
+    state.alive_gain = 0.0; // removes the rounding error of the sum
   return state.alive_gain = std::min(state.alive_gain, 1.0);
 }
 
@@ -83,8 +83,8 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
 /// The force limit of this tick, lowered while the motors are warm.
 double force_limit(ChainState& state, const ChainSettings& settings, double elapsed_s,
                    bool warm) noexcept {
-  // The actual time: a late tick has held the force for longer. Drivers cut the force of a servo
-  // that stalls for more than this (core/haptic/device/force_timeout.hpp).
+  // The actual time, because a late tick has held the force for longer. Drivers cut the force of a
+  // servo that stalls for more than this (core/haptic/device/force_timeout.hpp).
   constexpr double kMaxHold_s = 0.05;
   const ThermalSettings motors{std::min(elapsed_s, kMaxHold_s), settings.force_limit_n,
                                settings.device.continuous_force_n};
@@ -95,7 +95,7 @@ double force_limit(ChainState& state, const ChainSettings& settings, double elap
   return ceiling_n;
 }
 
-/// The input with bounded, finite vectors; a position that is not finite becomes the last one.
+/// The input with bounded, finite vectors; a position that is not finite becomes the last position.
 ChainInput bounded(ChainInput input, const Vec3& last_position) noexcept {
   input.position =
       is_finite(input.position) ? limited(input.position, kMaxPosition_m) : last_position;
@@ -111,7 +111,7 @@ void start(ChainState& state, const ChainSettings& settings, const ChainInput& i
     state.command_s = input.time_s;
 }
 
-/// Whether `now` holds or has held in the last kNoticed_s.
+/// True if `now` is true or was true within the last kNoticed_s.
 bool noticed(double& left_s, bool now, double elapsed_s) noexcept {
   left_s = now ? kNoticed_s : std::max(left_s - elapsed_s, 0.0);
   return left_s > 0.0;
@@ -143,7 +143,7 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
       state.interpolation_ticks = 1;
     else if (since > 0)
       state.interpolation_ticks =
-          std::min(since, kMaxAutoInterpolation_ticks); // else a second command in this tick
+          std::min(since, kMaxAutoInterpolation_ticks); // since == 0: a second command in this tick
     break;
   case Interpolation::kOff:
     state.interpolation_ticks = 1;

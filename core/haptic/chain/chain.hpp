@@ -29,13 +29,13 @@ struct ChainSettings {
   double force_limit_n = 8;
   double slew_n_per_s = 2000;
   Interpolation interpolation = Interpolation::kAuto;
-  double interpolation_s = 0.01; ///< of kFixed
+  double interpolation_s = 0.01; ///< duration of kFixed
   double extrapolation_s = 0;    ///< how long the slope continues after a target is reached
   double hold_s = 0.1;           ///< watchdog: time without a heartbeat before the force falls
-  double ramp_s = 0.05;          ///< watchdog: from full force to zero, and back
+  double ramp_s = 0.05;          ///< watchdog: time from full force to zero, and back
   bool strict = false;           ///< the watchdog expects force messages too
   bool resume = true;    ///< the force returns by itself with the heartbeat; else by motors()
-  double enable_s = 0.5; ///< from zero to full force after motors(true)
+  double enable_s = 0.5; ///< time from zero to full force after motors(true)
   bool passivity = true;
   double tank_j = 5e-3;   ///< largest positive energy that the observer stores
   double allowance_w = 0; ///< power that commands, not local models, may put into the hand
@@ -47,7 +47,7 @@ struct ChainSettings {
   struct Device {
     double damping_limit_n_s_per_m = 5; ///< largest damping it renders stably at 1 kHz
     double position_noise_m = 0;        ///< largest error of one reading
-    int latency_ticks = 0;              ///< as Caps::latency_ticks
+    int latency_ticks = 0;              ///< delay, as Caps::latency_ticks
     double continuous_force_n = 0;      ///< continuous rating of its motors; 0: not known
   } device{};
 };
@@ -93,12 +93,11 @@ struct ChainState {
   Vec3 written{}; // the force that the device holds now
   Vec3 position{};
   PassivityController passivity{};
-  double energy_j = 0, lowest_energy_j = 0; // the controller's
+  double energy_j = 0, lowest_energy_j = 0; // energies of the passivity controller
   ThermalLimit thermal{};
   bool derating = false;           ///< as ThermalLimit::derating()
   double derated_to_n = 0;         ///< as ThermalLimit::steady_limit_n()
-  double asked_n = 0, taken_n = 0; ///< in this tick: before the clamp; change by the passivity
-                                   ///< controller
+  double asked_n = 0, taken_n = 0; ///< this tick: unclamped force, change by passivity controller
   bool clipping = false, braking = false; ///< true if noticeable in the last half second
   double clipping_s = 0, braking_s = 0;   // time until they are reset
   ChainCounters counters{};
@@ -110,8 +109,8 @@ bool command(ChainState&, const ChainSettings&, const Vec3& force_n, double time
 /// Counts a target that the caller has refused.
 void refuse(ChainState&, double time_s) noexcept;
 
-/// On: the force returns over enable_s, and an emergency stop ends. Off: it falls at the slew
-/// limit.
+/// On: the force returns over enable_s, and an emergency stop ends. Off: the force falls at the
+/// slew limit.
 void motors(ChainState&, bool on) noexcept;
 /// Zero force at once, until motors(true).
 void emergency_stop(ChainState&) noexcept;

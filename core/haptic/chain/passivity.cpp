@@ -9,9 +9,10 @@ namespace {
 constexpr double kMaxEnergy_j = 1e6;
 // The handle is at rest while it stays within the reading's error plus this distance.
 constexpr double kAtRestRadius_m = 2e-5;
-// Largest damping in excess of the present creation, in units of K T: it removes earlier debts.
+// Largest damping, in units of K T, beyond the damping that the present creation of energy needs.
+// This excess removes energy created earlier.
 constexpr double kDampingPerLeak = 3;
-constexpr double kMinForce_n = 1e-12; // a shorter one is rounding
+constexpr double kMinForce_n = 1e-12; // a smaller force is rounding
 constexpr double kStiffnessTimeConstant_s = 0.05;
 // A host that answers every few ticks changes its force some ticks after the motion.
 constexpr double kChangeTimeConstant_s = 0.004;
@@ -28,7 +29,7 @@ constexpr double kMaxBounce_s = 0.1;
 // estimated from the motion.
 constexpr double kMinSlowing = 0.02;
 
-/// The value with its magnitude reduced by that much, not below zero.
+/// The value with its magnitude reduced by `by`, but not below zero.
 double shortened(double value, double by) noexcept {
   return std::copysign(std::max(std::abs(value) - by, 0.0), value);
 }
@@ -53,7 +54,7 @@ void PassivityController::observe(const PassivitySettings& settings, const Vec3&
   moved_before_ = moved_;
   moved_ = position_m - at(positions_, tick_);
   // The contact's part of the written force, after the slew limit: along the contact's direction,
-  // no longer than it is now or was before.
+  // and no longer than the contact force is now or was before.
   const Vec3& last = at(contacts_, tick_);
   const double longest = std::max(norm(contact_.returned), norm(last));
   const Vec3 felt =
@@ -165,8 +166,8 @@ void PassivityController::end_contact(const PassivitySettings& settings) noexcep
 /// - Momentum: a free handle of mass M that arrives at the speed v leaves with at most v as long as
 ///   the impulse of the whole contact is at most 2 M v. The mass is estimated from the motion so
 ///   far as M = double impulse / (v t - depth), with the reading's error on the safe side.
-/// - Energy: that impulse times the speed is at most the energy that the hand has put in, less that
-///   of the forces in transit and less the error that the readings may have added.
+/// - Energy: that impulse times the speed is at most the energy that the hand has put in, minus the
+///   energy of the forces in transit and the error that the readings may have added.
 double PassivityController::affordable_force(const PassivitySettings& settings, double outward,
                                              double accelerated) noexcept {
   constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -212,9 +213,9 @@ PassivityController::Parts PassivityController::limit(const PassivitySettings& s
                                                       const Parts& desired,
                                                       const Vec3& velocity) noexcept {
   const double T = settings.period_s;
-  // Bounds the speed by the displacement of the last 2 ms over one tick. The mean speed of these 2
-  // ms would be too low by half or more, for single encoder steps and for a handle that a wall
-  // throws back.
+  // Bounds the speed by the displacement of the last 2 ms divided by one tick. The mean speed of
+  // these 2 ms would be too low by half or more, for single encoder steps and for a handle that a
+  // wall throws back.
   const Vec3 fastest = displacement(settings) * (1.0 / T);
   Vec3 agreed;
   for (int axis = 0; axis < 3; ++axis)
@@ -238,7 +239,7 @@ PassivityController::Parts PassivityController::limit(const PassivitySettings& s
   const double accelerated = std::max(agreed_outward - outward_, 0.0);
   outward_ = agreed_outward;
   if (contact_s_ > 0.0 && contact_s_ <= kMaxBounce_s) {
-    // An exact reading above the speed of the last 2 ms is used: the handle accelerates.
+    // An exact reading above the speed of the last 2 ms is used, because the handle accelerates.
     const double outward = settings.position_noise_m > 0.0 || !(agreed_outward > 0.0)
                                ? agreed_outward
                                : std::max(agreed_outward, dot(velocity, contact_.direction));

@@ -5,11 +5,11 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kFallsFrom = 0.5; // times continuous^2: h at which the limit begins to fall
-constexpr double kFallsTo = 0.9;   // times continuous: the limit at h = continuous^2
+constexpr double kFallsFrom = 0.5; // multiple of continuous^2: h at which the limit begins to fall
+constexpr double kFallsTo = 0.9;   // multiple of continuous: the limit at h = continuous^2
 constexpr double kWarmRatio = 0.5;
-constexpr double kDeratingThreshold = 0.95; // of the peak
-constexpr double kCool = 0.4;               // times continuous^2
+constexpr double kDeratingThreshold = 0.95; // share of the peak
+constexpr double kCool = 0.4;               // multiple of continuous^2
 
 /// Whether the force can exceed the continuous rating.
 bool limits(const ThermalSettings& settings) noexcept {

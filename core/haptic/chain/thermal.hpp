@@ -17,10 +17,12 @@ struct ThermalSettings {
 ///   h = continuous^2.
 /// C is continuous in time and falls below the rating before h reaches it, so that a constant
 /// request settles below `continuous` without a step. Source: thermal model of a motor with one
-/// time constant, e.g. IEC 60034-11. tau is our choice, of the order of a small motor's winding.
+/// time constant, e.g. IEC 60034-11. tau is our choice, of the order of a small motor winding's
+/// time constant.
 ///
-/// Where the device itself reports warm motors the limit goes to half of `continuous` (half of the
-/// peak where that is not known) over kWarmRamp_s, and back over kCoolRamp_s after the report.
+/// If the device itself reports warm motors, the limit goes to half of `continuous` over
+/// kWarmRamp_s (to half of the peak if `continuous` is not known). When the report ends, the limit
+/// goes back over kCoolRamp_s.
 class ThermalLimit {
 public:
   ThermalLimit() = default;
@@ -30,7 +32,7 @@ public:
   static constexpr double kTimeConstant_s = 30;
   static constexpr double kWarmRamp_s = 1, kCoolRamp_s = 10;
 
-  /// Updates the heat after a tick with that force, N; reported_warm: the device reports warm
+  /// Updates the heat after a tick with this force, N; reported_warm: the device reports warm
   /// motors.
   void advance(const ThermalSettings& settings, double force_n, bool reported_warm) noexcept;
   /// The force limit now, N; never above peak_n.

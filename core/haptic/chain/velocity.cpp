@@ -17,7 +17,7 @@ Vec3 VelocityEstimator::update(const Vec3& position, double time_s) noexcept {
 double VelocityEstimator::slope(int axis) const noexcept {
   if (count_ < 2)
     return 0.0;
-  // Times and positions are taken relative to the newest sample: nothing large cancels.
+  // Times and positions are taken relative to the newest sample, so that no large numbers cancel.
   const Sample& newest = sample_before(0);
   double best = 0.0;
   double sum_t = 0, sum_x = 0, sum_tt = 0, sum_tx = 0;

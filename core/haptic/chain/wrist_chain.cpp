@@ -12,7 +12,8 @@ WristCommand WristChain::step(const WristCommand& requested, const ChainState& c
     return sent_;
   }
   const double gain = chain.motors ? chain.alive_gain * chain.enable_gain : 0;
-  const double max_fraction = std::clamp(period_s / kRise_s, 0.0, 1.0); // of the peak, in one tick
+  const double max_fraction = std::clamp(period_s / kRise_s, 0.0, 1.0); // share of the peak, in one
+                                                                        // tick
   const Vec3 torque = limited(requested.torque_n_m, caps.peak_torque_n_m) * gain;
   sent_.torque_n_m += limited(torque - sent_.torque_n_m, caps.peak_torque_n_m * max_fraction);
   const double grip = std::isfinite(requested.grip_n)

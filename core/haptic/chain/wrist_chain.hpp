@@ -23,7 +23,8 @@ public:
   static constexpr double kRise_s = 0.02; ///< slew limit: from zero to the peak in this time
 
   void reset() noexcept { sent_ = {}; }
-  /// One tick, after the force's chain; returns the command to send. Zero while not homed.
+  /// Makes one tick, after the force's chain, and returns the command to send. The command is zero
+  /// while the device is not homed.
   [[nodiscard]] WristCommand step(const WristCommand& requested, const ChainState& chain,
                                   const Caps& caps, bool homed, double period_s) noexcept;
 

@@ -15,8 +15,8 @@ class ForceTimeout {
 public:
   static constexpr double kTimeout_s = 0.05, kReturn_s = 0.1;
 
-  /// Factor on the newest command, 0 to 1. For the sending thread; times of one clock, s, not
-  /// decreasing. written_s far in the past, as before the first write, gives 0.
+  /// Factor on the newest command, 0 to 1. For the sending thread. Both times are of one clock, s,
+  /// and do not decrease. written_s far in the past, as before the first write, gives 0.
   [[nodiscard]] double gain(double written_s, double now_s) noexcept {
     if (!(now_s - written_s < kTimeout_s)) {
       expired_ = true;
@@ -41,12 +41,12 @@ private:
   double resumed_s_ = 0;
 };
 
-/// The newest command of the servo for the thread that sends it, with that timeout.
+/// The newest command of the servo for the thread that sends it, with a ForceTimeout.
 template <class Command> class TimedMailbox {
 public:
   /// For the servo.
   void write(const Command& command) noexcept { box_.write({command, ForceTimeout::now_s()}); }
-  /// Back to no command. Not while another thread reads or writes.
+  /// Removes the command. Not to be called while another thread reads or writes.
   void reset() noexcept {
     box_.write({});
     timeout_ = {};

@@ -17,7 +17,7 @@ namespace tactus::haptic {
 /// do not depend on the period of the ticks.
 class NoiseOscillator {
 public:
-  /// Half-power width of the spectrum of x is about 2 damping_ratio frequency_hz.
+  /// The half-power width of the spectrum of x is about 2 damping_ratio frequency_hz.
   void set(double frequency_hz, double damping_ratio, double rms, double period_s) noexcept;
   /// Sets the state to a random one of the stationary process.
   void start(Random& random) noexcept;
@@ -55,8 +55,8 @@ struct HandSettings {
   std::uint64_t seed = 1;
 };
 
-/// The point that the hand pulls the handle to, tick by tick: a path or a target, and for kPerson
-/// tremor, wander and yielding added to it.
+/// The point that the hand pulls the handle to, tick by tick: a path or a target, plus tremor,
+/// wander and yielding for kPerson.
 class Hand {
 public:
   void set(const HandSettings& settings, double period_s) noexcept;
@@ -66,7 +66,7 @@ public:
   void set_path(Path path) noexcept;
   /// Follows a moving target through a critically damped second-order low-pass of 20 ms.
   void set_target(const Vec3& target) noexcept;
-  /// Jumps to that time of the path.
+  /// Jumps to this time of the path.
   void seek(double time_s) noexcept;
 
   /// The hand's position and velocity now.

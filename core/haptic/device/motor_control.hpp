@@ -14,13 +14,14 @@ public:
   struct Request {
     bool on = true;                 ///< `motors 1`; else the force falls at the slew limit
     bool stopped = false;           ///< an `estop` that no `motors 1` has ended
-    bool paused = false;            ///< as off, set by the program and not by the user
+    bool paused = false;            ///< as `on` = false, but set by the program and not by the user
     std::uint32_t stop_count = 0;   ///< number of estops
     std::uint32_t enable_count = 0; ///< number of enables
     bool operator==(const Request&) const = default;
   };
 
-  /// Motors on over the chain's enable time; ends an emergency stop and a device's failure.
+  /// Switches the motors on over the chain's enable time; ends an emergency stop and a device's
+  /// failure.
   void enable() noexcept {
     change([](Request& r) { r.on = true, r.stopped = false, ++r.enable_count; });
   }
@@ -38,7 +39,7 @@ public:
   [[nodiscard]] Request request() const noexcept {
     return unpack(requested_.load(std::memory_order_acquire));
   }
-  /// Copies the request of the servo that this one replaces, without its pause.
+  /// Copies the request of a servo that is being replaced, except its pause.
   void take_over(const MotorControl& other) noexcept {
     Request request = other.request();
     request.paused = false;

@@ -23,7 +23,7 @@ struct PathRow {
 };
 
 /// A path through given points, linearly interpolated. The position is constant before the first
-/// and after the last row. Buttons keep their state from their row to the next. Two rows of the
+/// and after the last row. Buttons keep their state from their row to the next. Two rows with the
 /// same time make a jump.
 class RowPath {
 public:

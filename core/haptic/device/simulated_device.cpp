@@ -7,7 +7,8 @@ namespace {
 constexpr double kStop_n_per_m = 2e4;
 constexpr double kPeak_n = 40;
 // A damper b on a mass M, sampled every T, removes the fraction b T/M of its velocity in each tick.
-// One fifth at 1 kHz is stable also with a velocity that is estimated a few ticks late.
+// The fraction of one fifth at 1 kHz is stable even with a velocity that is estimated a few ticks
+// late.
 constexpr double kDampingPerMass_hz = 200;
 // After a longer gap between two reads only this many ticks are simulated.
 constexpr std::uint64_t kMaxCatchUp_ticks = 1000;

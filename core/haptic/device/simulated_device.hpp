@@ -27,11 +27,11 @@ public:
     double viscous_n_s_per_m = 0.5;
     Workspace workspace{};
     bool stops = true;
-    double stop_m = 5e-3;    ///< from the workspace's face
-    double resolution_m = 0; ///< of the position reading; 0 is exact
+    double stop_m = 5e-3;    ///< distance from the workspace's faces
+    double resolution_m = 0; ///< resolution of the position reading; 0 is exact
     double noise_m = 0;      ///< uniform within plus or minus this
-    std::uint64_t seed = 1;  ///< of the reading's noise
-    int latency_ticks = 0;   ///< of the readings, 0..kMaxLatency_ticks
+    std::uint64_t seed = 1;  ///< seed of the reading's noise
+    int latency_ticks = 0;   ///< delay of the readings, 0..kMaxLatency_ticks
     HandSettings hand{};
   };
 

@@ -33,7 +33,7 @@ struct AxisMap {
   /// Torque and rotation are axial vectors: they also change sign when the map is a reflection.
   [[nodiscard]] Vec3 torque_to_device(const Vec3& project) const noexcept;
   [[nodiscard]] Vec3 rotation_to_project(const Vec3& device) const noexcept;
-  [[nodiscard]] double determinant() const noexcept; ///< 1, or -1 of a reflection
+  [[nodiscard]] double determinant() const noexcept; ///< 1, or -1 for a reflection
   /// From "zxy" and three signs (+1 or -1); nothing when the word is not a permutation of xyz.
   [[nodiscard]] static std::optional<AxisMap> parse(std::string_view axes,
                                                     const std::array<double, 3>& signs) noexcept;

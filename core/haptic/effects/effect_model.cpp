@@ -80,7 +80,7 @@ Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, double max_dam
 }
 
 /// Coulomb friction with presliding: a spring to an anchor, which follows the handle at the
-/// distance F/k once the spring is stretched to it. An associated plastic law, and therefore
+/// distance F/k once the spring is stretched to it. This is an associated plastic law and therefore
 /// passive.
 Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
                            const Vec3& position) noexcept {
@@ -91,10 +91,10 @@ Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
   return limited((friction_anchor_ - position) * friction.stiffness, kMaxEffect_n);
 }
 
-/// A groove of height h <= 0 changes the contact force k d to k (d + h) along the tilted normal
-/// n - h' t (d the depth, t the direction of the grooves): the gradient of k (d + h)^2/2, so that a
-/// closed path does no work. The lateral part is the force by which a shape is perceived
-/// (Robles-De-La-Torre & Hayward, Nature 412, 2001).
+/// A groove of height h <= 0 changes the contact force k d to k (d + h) along the tilted normal n -
+/// h' t (d: the depth, t: the direction of the grooves). This force is the gradient of k (d +
+/// h)^2/2, so that a closed path does no work. The lateral part is the force by which a shape is
+/// perceived (Robles-De-La-Torre & Hayward, Nature 412, 2001).
 Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
                          const Vec3& position) const noexcept {
   if (!scene_ || !scene_force_ || scene_->touches().empty())

@@ -31,7 +31,8 @@ struct EffectSettings {
     double mass_kg = 0;
     double stiffness = 300, damping = 1;
   };
-  /// Coulomb friction with presliding: a spring of that stiffness up to the force F, then slip.
+  /// Coulomb friction with presliding: a spring of the given stiffness up to the force F, then
+  /// slip.
   struct Friction {
     double force_n = 0;
     double stiffness = 500;
@@ -56,13 +57,14 @@ struct EffectSettings {
   std::optional<Relief> relief{};
 };
 
-/// Computes the effects inside the servo. force() returns the sum of the passive ones: viscous,
-/// inertia, friction, texture and relief. active_force() returns the sum of constant and spring,
-/// which put energy into the hand when they are switched on and therefore count as forces of the
-/// patch (Servo::attach).
+/// Computes the effects inside the servo. force() returns the sum of the passive effects: viscous,
+/// inertia, friction, texture and relief. active_force() returns the sum of constant and spring.
+/// These two put energy into the hand when they are switched on, and therefore count as forces of
+/// the patch (Servo::attach).
 ///
 /// Bounded work, no allocation; the force of each effect is at most kMaxEffect_n. A sampled damper
-/// is passive only up to the device's damping limit; viscous and inertia use no more than that.
+/// is passive only up to the device's damping limit; viscous and inertia use no more damping than
+/// this.
 class EffectModel final : public LocalModel {
 public:
   static constexpr double kMaxEffect_n = 40;
@@ -71,18 +73,19 @@ public:
   // the host's side
   void set(const EffectSettings& settings) noexcept { settings_.write(settings); }
   /// The scene in whose surfaces `relief` cuts its grooves, and the variable that holds the scene's
-  /// force of this tick, N. The scene's force() must be called before this one's.
+  /// force of this tick, N. The scene's force() must be called before force() of this model.
   void set_scene(const SceneModel& scene, const Vec3& scene_force_n) noexcept {
     scene_ = &scene;
     scene_force_ = &scene_force_n;
   }
 
-  /// Largest damping that the device renders stably at 1 kHz, N s/m; 0: not known. At any time.
+  /// Largest damping that the device renders stably at 1 kHz, N s/m; 0: not known. May be called at
+  /// any time.
   void set_damping_limit(double n_s_per_m) noexcept {
     damping_limit_.store(n_s_per_m, std::memory_order_relaxed);
   }
-  /// The largest passive damping for that period, N s/m: the limit at 1 kHz, less for longer
-  /// periods.
+  /// The largest passive damping for ticks of this period, N s/m: the limit at 1 kHz, less for
+  /// longer periods.
   [[nodiscard]] static double max_passive_damping(double limit_n_s_per_m,
                                                   double period_s) noexcept {
     return (limit_n_s_per_m > 0 ? limit_n_s_per_m : kDamping_n_s_per_m) *
@@ -106,7 +109,7 @@ private:
   const Vec3* scene_force_ = nullptr;
 
   Vec3 active_force_{};
-  Vec3 position_{}; // of the handle at the last tick
+  Vec3 position_{}; // position of the handle at the last tick
   bool started_ = false;
   Vec3 mass_position_{}, mass_velocity_{};
   bool has_mass_ = false;

@@ -57,7 +57,7 @@ struct NetworkPickup {
   enum class Quantity {
     kVelocity,     ///< m/s
     kDisplacement, ///< m, from the position at rest
-    kForce,        ///< N, of the links on the mass; of an anchor the force on a bridge
+    kForce,        ///< N, force of the links on the mass; for an anchor, the force on a bridge
   };
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::size_t mass = kNone;

@@ -8,7 +8,7 @@ namespace tactus::haptic {
 namespace {
 // Losses that last longer are final; shorter dips of the energy are an error of the scheme.
 constexpr double kBudgetTimeConstant_s = 0.05;
-constexpr double kRounding = 1e-9; // of the elastic and kinetic energy
+constexpr double kRounding = 1e-9; // share of the elastic and kinetic energy
 } // namespace
 
 /// v^T M v/2, for each link with the vector d and length L at the steps n and n + 1

@@ -9,7 +9,7 @@
 /// NetworkModel's networks and actions from the host; network_step.cpp has the steps.
 namespace tactus::haptic {
 namespace {
-constexpr int kMaxActions = 16; // per tick; the rest stay in the queue
+constexpr int kMaxActions = 16; // actions per tick; the rest stay in the queue
 }
 
 NetworkModel::~NetworkModel() {
@@ -39,7 +39,7 @@ void NetworkModel::begin() noexcept {
 }
 
 /// The gain for which a sphere that has grown pushes a mass with the same force as before; -1 for a
-/// mass that it did not touch.
+/// mass that the sphere did not touch.
 double NetworkModel::gain_after_growth(double before_m, std::size_t mass) const noexcept {
   const double distance = norm(position(mass) - handle_);
   return touch_gain_[mass] >= 0 && distance < before_m

@@ -15,8 +15,8 @@ namespace tactus::haptic {
 /// One value of each pickup: the mean over one or more steps.
 using NetworkSample = std::array<float, Network::kPickups>;
 
-/// Simulates a mass-spring network inside the servo, both felt and heard.
-/// docs/theory/network.md has the model.
+/// Simulates a mass-spring network inside the servo, both felt and heard. docs/theory/network.md
+/// has the model.
 ///   M x'' = f_links(x, x') - alpha M x' + M g + f_handle + f_pluck
 /// by the symplectic Euler rule, v += h F(x, v)/m, x += h v, with a whole number of steps in a
 /// servo tick (stability.hpp). A tick simulates the time since the last one: the handle moves
@@ -25,8 +25,8 @@ using NetworkSample = std::array<float, Network::kPickups>;
 ///
 /// Passive for any parameters: the energy of masses, links and the handle's springs grows by no
 /// more than the work of the handle, of plucks and of edits. For linear links the scheme conserves
-/// it up to rounding. Where the scheme creates energy, for example when a spring is compressed to
-/// zero length, the velocities are scaled down (network_energy.cpp).
+/// it up to rounding. If the scheme creates energy, for example when a spring is compressed to zero
+/// length, the velocities are scaled down (network_energy.cpp).
 ///
 /// The host publishes whole networks; a mass that keeps its key keeps its motion. Bounded work, no
 /// allocation; a state that is not finite is reset.
@@ -36,11 +36,12 @@ public:
   static constexpr double kMaxHandle_n = 40;  ///< limit of the force between handle and one mass
   static constexpr double kMaxPluck_n = 1000; ///< limit of a pluck's force
 
-  /// Ramp of the handle's force on a mass that is inside the sphere when it appears, when a device
-  /// is opened or when the sphere grows; also of the spring to a grabbed mass.
+  /// Ramp of the handle's force on a mass that is inside the sphere when the mass appears, when a
+  /// device is opened or when the sphere grows. The force of the spring to a grabbed mass has the
+  /// same ramp.
   static constexpr double kContactRamp_s = 0.1;
 
-  /// Actions of the hand on the mass of a key or the nearest one, and a reset.
+  /// Actions of the hand on the mass with a key or on the nearest mass, and a reset.
   struct Pluck {
     std::uint64_t key = 0;
     Vec3 force_n{}; ///< constant
@@ -60,7 +61,7 @@ public:
   NetworkModel& operator=(const NetworkModel&) = delete;
 
   // the host's side
-  /// Replaces the network at the servo's next tick; one that the servo has not taken yet is
+  /// Replaces the network at the servo's next tick; a network that the servo has not taken yet is
   /// dropped. The network must respect the maxima of Network, and max_stable_step() must be
   /// positive.
   void publish(std::unique_ptr<const Network> network);
@@ -106,7 +107,7 @@ private:
     std::size_t mass = 0;
     Vec3 force_n{};
     double remaining_s = 0;
-    Vec3 velocity_before{}; ///< of the mass, in the step under way
+    Vec3 velocity_before{}; ///< velocity of the mass, in the step under way
   };
 
   void take_network() noexcept;
@@ -149,7 +150,8 @@ private:
   Row touch_gain_{};            // 0..1 over kContactRamp_s; below 0: the mass is new
   double step_s_ = 0;
 
-  Vec3 handle_{}, handle_velocity_{}; // at the end of the last tick, and during it
+  Vec3 handle_{}, handle_velocity_{}; // position at the end of the last tick, and velocity during
+                                      // it
   bool started_ = false;
   std::uint64_t grabbed_ = kNoKey;
   std::size_t grabbed_mass_ = 0;

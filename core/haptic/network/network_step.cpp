@@ -35,7 +35,7 @@ Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   take_actions(start);
   const double before_j = handle_energy_j();
   raise_gains(tick.period_s);
-  budget_j_ += handle_energy_j() - before_j; // growing gains put energy in
+  budget_j_ += handle_energy_j() - before_j; // a growing gain adds energy
   if (!has_budget_)
     budget_j_ = energy_j();
   has_budget_ = true;
@@ -106,15 +106,15 @@ void NetworkModel::apply_links() noexcept {
     const std::size_t a = link.a, b = link.b;
     const double dx = x_[b] - x_[a], dy = y_[b] - y_[a], dz = z_[b] - z_[a];
     const double wx = vx_[b] - vx_[a], wy = vy_[b] - vy_[a], wz = vz_[b] - vz_[a];
-    // The force of network.hpp as along d + b_t w.
+    // The force of network.hpp, written as along d + b_t w.
     const double bt = link.transverse_damping_n_s_per_m;
     double along = link.stiffness_n_per_m;
     const double bn = link.damping_n_s_per_m - bt; // b_n - b_t
-    // Without a rest length and with equal dampings the link is linear: no direction is needed.
+    // Without a rest length and with equal dampings the link is linear and needs no direction.
     if (link.rest_length_m > 0 || bn != 0 || link.kind != NetworkLink::Kind::kSpring) {
       const double length2 = std::max(dx * dx + dy * dy + dz * dz, kMinLength2_m2);
       const double inverse = 1.0 / std::sqrt(length2);
-      const double stretch = 1.0 - link.rest_length_m * inverse; // of the length
+      const double stretch = 1.0 - link.rest_length_m * inverse; // stretch relative to the length
       if ((link.kind == NetworkLink::Kind::kPull && stretch < 0) ||
           (link.kind == NetworkLink::Kind::kPush && stretch > 0))
         continue;
@@ -196,8 +196,8 @@ void NetworkModel::integrate() noexcept {
   }
 }
 
-/// Reads the pickups at the start of a step: forces of the links then, velocities half a step
-/// before.
+/// Reads the pickups at the start of a step: the forces of the links at that time, and the
+/// velocities half a step earlier.
 NetworkSample NetworkModel::read_pickups() const noexcept {
   NetworkSample sample{};
   for (std::size_t p = 0; p < sample.size(); ++p) {

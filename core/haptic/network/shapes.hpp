@@ -22,12 +22,12 @@ struct NetworkPart {
 struct NetworkString {
   int count = 40;
   Vec3 from{-0.05, 0, 0}, to{0.05, 0, 0}; ///< m
-  double mass_kg = 1e-3;                  ///< of all masses together
+  double mass_kg = 1e-3;                  ///< mass of all masses together
   double tension_n = 10;
-  double damping_n_s_per_m = 1e-3; ///< of each link, along and across
+  double damping_n_s_per_m = 1e-3; ///< damping of each link, along and across
   /// k of each link along the string, at least T/d (smaller values count as T/d). At k = T/d the
-  /// rest length is 0 and the string is linear; above, the rest length is d - T/k and the tension
-  /// grows with the amplitude.
+  /// rest length is 0 and the string is linear. For a larger k the rest length is d - T/k and the
+  /// tension grows with the amplitude.
   double stiffness_n_per_m = 0;
 };
 [[nodiscard]] NetworkPart make_string(const NetworkString& string);
@@ -42,12 +42,12 @@ struct NetworkMembrane {
   Vec3 from{-0.04, -0.04, 0}, to{0.04, 0.04, 0}; ///< m
   double mass_kg = 2e-3;
   double tension_n_per_m = 50;
-  double damping_n_s_per_m = 1e-3; ///< of each link
+  double damping_n_s_per_m = 1e-3; ///< damping of each link
 };
 /// Masses row by row along the first axis, with the rim and without the four corners. Empty when
 /// `from` and `to` do not share exactly one coordinate.
 [[nodiscard]] NetworkPart make_membrane(const NetworkMembrane& membrane);
-/// Index of the mass in column i = 0..nx+1 and row j = 0..ny+1 of that part; corners have none.
+/// Index of the mass in column i = 0..nx+1 and row j = 0..ny+1 of a membrane; corners have none.
 [[nodiscard]] std::size_t membrane_index(int nx, int ny, int i, int j) noexcept;
 
 } // namespace tactus::haptic

@@ -6,7 +6,7 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kSampleRate_hz = 48000; // of pickups, at least
+constexpr double kSampleRate_hz = 48000; // lowest sample rate of pickups
 }
 
 StepBound max_stable_step(const Network& network) {
@@ -36,7 +36,7 @@ StepBound max_stable_step(const Network& network) {
         (rows[i].damping + network.touch.damping_n_s_per_m + network.grab.damping_n_s_per_m) /
             mass.mass_kg +
         network.drag_per_s;
-    // a h^2 + 2 c h = 4, in the form that does not cancel.
+    // Solves a h^2 + 2 c h = 4, in the form without cancellation.
     const double step_s = a + c > 0 ? 4 / (c + std::sqrt(c * c + 4 * a)) : bound.step_s;
     if (step_s < bound.step_s)
       bound = {step_s, i};

@@ -24,9 +24,10 @@ public:
   }
 
   static constexpr double kNever = std::numeric_limits<double>::infinity();
-  /// The fraction of the motion at which it may first touch the box grown by a margin on all sides;
-  /// kNever when that is beyond `limit`. Slab method (Kay & Kajiya, SIGGRAPH 1986), with the slabs
-  /// a few ulp wider, so that a triangle in the face of its box is found in spite of rounding.
+  /// The fraction of the motion at which the moving point may first touch the box, grown by a
+  /// margin on all sides; kNever if this fraction is beyond `limit`. Slab method (Kay & Kajiya,
+  /// SIGGRAPH 1986), with the slabs a few ulp wider, so that a triangle in the face of its box is
+  /// found in spite of rounding.
   [[nodiscard]] double entry(const Bounds& bounds, double margin, double limit) const noexcept {
     double begin = 0.0, end = limit;
     for (int axis = 0; axis < 3; ++axis) {

@@ -17,18 +17,18 @@ struct Crossing {
 /// Cost of one iteration of convex_crossing, in units of WorkLimit.
 inline constexpr int kIterationWork = 5;
 
-/// Where a sphere of that radius (> 0) on a straight motion first touches a convex set, between the
-/// fractions `begin`, before which it does not, and `limit` of the motion. `nearest(p)` returns the
-/// point of the set nearest to p, p itself inside.
+/// Where a sphere of this radius (> 0) on a straight motion first touches a convex set, between the
+/// fractions `begin` and `limit` of the motion. Before `begin` the sphere does not touch the set.
+/// `nearest(p)` returns the point of the set nearest to p, which is p itself inside the set.
 ///
-/// The distance d to a convex set is a convex function of the position, with the unit gradient
-/// (p - nearest)/d outside of the set (Rockafellar, Convex Analysis, 1970). The tangent of a convex
+/// The distance d to a convex set is a convex function of the position, with the unit gradient (p -
+/// nearest)/d outside of the set (Rockafellar, Convex Analysis, 1970). The tangent of a convex
 /// function lies below it, so that Newton's method for d = radius, started where d > radius, never
 /// passes the first solution: stopping early is safe. Convergence is quadratic except for a grazing
 /// contact.
 ///
-/// A motion that begins with an overlap and goes deeper has its crossing at 0; one that leaves has
-/// none. With the sphere's centre inside the set there is no crossing.
+/// A motion that begins with an overlap and goes deeper has its crossing at 0; a motion that leaves
+/// the set has none. With the sphere's centre inside the set there is no crossing.
 template <class Nearest>
 [[nodiscard]] std::optional<Crossing>
 convex_crossing(double radius, const Vec3& from, const Vec3& to, double begin, double limit,

@@ -8,8 +8,9 @@ namespace {
 constexpr double kTolerance_m = 1e-13;
 constexpr double kParallel = 1e-9; // sine of the angle below which two faces count as parallel
 
-/// Multipliers for which goal + sum multiplier_i normal_i lies on all of one to three faces; false
-/// when their normals are (nearly) dependent. Cramer's rule on the Gram matrix of the normals.
+/// Finds the multipliers for which goal + sum multiplier_i normal_i lies on all of the one to three
+/// faces. False if the normals of the faces are (nearly) dependent. Cramer's rule on the Gram
+/// matrix of the normals.
 bool solve_multipliers(std::span<const HalfSpace* const> active, const Vec3& goal,
                        std::array<double, 3>& multiplier) noexcept {
   std::array<double, 3> depth{};
@@ -30,7 +31,8 @@ bool solve_multipliers(std::span<const HalfSpace* const> active, const Vec3& goa
     return true;
   }
   // Three faces meet in one point, x - goal = (d0 b x c + d1 c x a + d2 a x b) / (a . b x c); the
-  // multipliers are its products with the same cross products, over the same volume.
+  // multipliers are the products of x - goal with the same cross products, divided by the same
+  // volume.
   const Vec3 c = active[2]->normal;
   const Vec3 bc = cross(b, c), ca = cross(c, a);
   const double volume = dot(c, line);

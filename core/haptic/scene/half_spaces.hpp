@@ -27,7 +27,7 @@ struct NearestPoint {
 /// The point of the intersection of at most four half spaces that is nearest to the goal:
 ///   min |x - goal|^2   subject to   normal_i . x >= offset_i,
 /// solved by testing the Karush-Kuhn-Tucker conditions for every set of up to three active faces.
-/// Nothing where rounding hides the solution, for example between nearly parallel faces.
+/// Returns nothing if rounding hides the solution, for example between nearly parallel faces.
 [[nodiscard]] std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
                                                         const Vec3& goal) noexcept;
 

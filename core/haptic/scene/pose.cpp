@@ -18,7 +18,7 @@ Rotation Rotation::from_z_to(const Vec3& direction) noexcept {
   const Vec3 n = direction * (1.0 / length);
   if (n.z < -1.0 + 1e-12)
     return {0, 1, 0, 0};
-  // Half way between the axes: the quaternion (1 + z.n, z x n), made of unit length.
+  // Half way between the axes: the quaternion (1 + z.n, z x n), scaled to unit length.
   return of(1.0 + n.z, -n.y, n.x, 0.0);
 }
 

@@ -23,9 +23,10 @@ struct Rotation {
     return v + w * first + cross(q, first);
   }
   [[nodiscard]] Rotation inverse() const noexcept { return {w, -x, -y, -z}; }
-  /// The quaternion (w, x, y, z) scaled to unit length; the identity where that is not possible.
+  /// The quaternion (w, x, y, z) scaled to unit length; the identity if this is not possible.
   [[nodiscard]] static Rotation of(double w, double x, double y, double z) noexcept;
-  /// The smallest rotation that takes the z axis to that direction; the identity without one.
+  /// The smallest rotation that takes the z axis to this direction; the identity if the direction
+  /// is zero or not finite.
   [[nodiscard]] static Rotation from_z_to(const Vec3& direction) noexcept;
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };

@@ -10,9 +10,9 @@ namespace {
 constexpr int kMaxPasses = 32;
 constexpr int kMaxFaces = 6; // faces found in one pass
 constexpr double kConverged_m = 1e-13;
-constexpr double kSlipTolerance = 1e-7; // of the friction force; the proxy counts as stuck within
-                                        // it
-constexpr double kLastPart = 0.01, kMaxFactor = 0.7; // of the slip: see settle()
+constexpr double kSlipTolerance = 1e-7; // share of the friction force; the proxy counts as stuck
+                                        // within it
+constexpr double kLastPart = 0.01, kMaxFactor = 0.7; // shares of the slip: see settle()
 constexpr double kResting_m = 1e-9;      // distance within which the proxy lies on a face
 constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a rotated box
 
@@ -59,8 +59,8 @@ const Obstacle* find(std::span<const Obstacle> obstacles, std::size_t slot) noex
 }
 
 /// On a single curved face the nearest point to the goal has a closed form: moves the proxy there.
-/// The motion is a chord through the body itself, which is therefore left out of the sweep. Where
-/// that is not possible nothing changes.
+/// The motion is a chord through the body itself, which is therefore left out of the sweep. If that
+/// is not possible, nothing changes.
 void follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
                   const Surroundings& surroundings) noexcept {
   Touch& touch = faces.touch[0];
@@ -142,8 +142,8 @@ Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& s
                  obstacle.pose.to_local(to), surroundings.work);
     if (surroundings.work.exhausted())
       break;
-    // Of two bodies met at the same fraction the one with the lower slot counts, independent of the
-    // order of the tests.
+    // If two bodies are met at the same fraction, the one with the lower slot counts, so that the
+    // order of the tests does not matter.
     if (!found ||
         (stop.hit && (found->fraction > stop.fraction ||
                       (found->fraction == stop.fraction && obstacle.slot > stop.touch.slot))))
@@ -179,8 +179,8 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
     double friction = 0;
     for (int step = 0; step < kMaxFaces; ++step) {
       Vec3 target = goal;
-      // After a step along a curved surface a proxy with friction is above the face: it moves
-      // straight down to it, not sideways.
+      // After a step along a curved surface a proxy with friction is above the face: the proxy
+      // moves straight down to the face, not sideways.
       const bool down = faces.count == 0 && (press.x != 0.0 || press.y != 0.0 || press.z != 0.0);
       if (down) {
         target = proxy - std::exchange(press, Vec3{});
@@ -200,8 +200,8 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
           if (stuck)
             break;
           // On a curved surface the remaining slip changes by one factor from pass to pass. A small
-          // rest is taken at once, as the sum of that geometric series. If the slip grows, the end
-          // is not near.
+          // remainder is taken at once, as the sum of that geometric series. If the slip grows, the
+          // search is not near its end.
           double excess = length - held_back;
           const double factor = excess / excess_before, last_part = kLastPart * held_back;
           excess_before = excess;
@@ -240,7 +240,8 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundi
     if (faces.count == 0 || norm(proxy - before) <= kConverged_m)
       break;
   }
-  if (faces.count == 0 && !result.complete) // those of the last pass on which the proxy still lies
+  if (faces.count == 0 && !result.complete) // keeps the faces of the last pass on which the proxy
+                                            // still lies
     for (const Touch& touch : std::span(before_faces.touch.data(), before_faces.count))
       if (dot(touch.normal, proxy - touch.point) > -kResting_m)
         faces.add(touch);

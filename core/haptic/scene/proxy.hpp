@@ -14,7 +14,7 @@ struct Obstacle {
   const Body* body = nullptr;
   Pose pose{};
   std::size_t slot = 0; ///< index that the caller gives the body
-  Bounds bounds{};      ///< in world coordinates, without the tool's radius
+  Bounds bounds{};      ///< box in world coordinates, without the tool's radius
 };
 
 /// A face on which the proxy rests.
@@ -39,8 +39,8 @@ struct Touches {
   }
   /// Adds a face or replaces one of the same body with the same normal. A fourth face is ignored.
   void add(const Touch& face) noexcept;
-  /// Sets the penetrations of these faces for that goal. False, with nothing changed, where
-  /// nearest_point() finds no solution.
+  /// Sets the penetrations of these faces for this goal. If nearest_point() finds no solution,
+  /// returns false and changes nothing.
   bool solve_penetration(const Vec3& goal) noexcept;
 };
 
@@ -51,8 +51,8 @@ struct Surroundings {
   WorkLimit& work;
 };
 
-/// Coefficient of friction of those faces together: the mean of their bodies' weighted by the
-/// normal forces.
+/// Common coefficient of friction of these faces: the mean of the coefficients of their bodies,
+/// weighted by the normal forces.
 [[nodiscard]] double friction_of(std::span<const Touch> faces,
                                  std::span<const Obstacle> obstacles) noexcept;
 
@@ -64,10 +64,11 @@ struct Surroundings {
 /// distance to the goal and none passes through a surface. Therefore the spring between goal and
 /// proxy never gains energy, and the proxy never passes through a thin body.
 ///
-/// With friction the proxy itself is the anchor, one for all that it touches (the friction cone of
-/// Melder & Harwin, HAPTICS 2004). Of the way t along the faces it goes the part |t| - mu D, to
-/// where the goal lies on the edge of the cone, D being the sum of the depths; within the cone it
-/// stays. docs/theory/scene.md has the steps.
+/// With friction the proxy itself is the anchor, one for all bodies that it touches (the friction
+/// cone of Melder & Harwin, HAPTICS 2004). Let t be the displacement along the faces without
+/// friction, and D the sum of the depths. The proxy then moves only by |t| - mu D, until the goal
+/// lies on the edge of the cone. If the goal lies within the cone, the proxy stays.
+/// docs/theory/scene.md has the steps.
 ///
 /// A motion is made only when its test against every obstacle is complete. When the work is
 /// exhausted the proxy stays at the end of the last such motion, outside of every body.
@@ -91,7 +92,7 @@ public:
 
   /// The first contact of a straight motion.
   struct Stop {
-    double fraction = 1; ///< of the motion that is free
+    double fraction = 1; ///< part of the motion that is free
     Touch touch{};       ///< valid if `hit`
     bool hit = false;
     bool complete = true; ///< false: the work was exhausted and the result is not valid

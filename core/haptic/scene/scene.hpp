@@ -36,21 +36,21 @@ struct Scene {
 
 /// The tool has touched a body.
 struct HitEvent {
-  std::uint64_t key = 0; ///< of the body
+  std::uint64_t key = 0; ///< key of the body
   double time_s = 0;
   Vec3 point{};                ///< m, on the surface
   Vec3 normal{};               ///< outwards
-  double approach_m_per_s = 0; ///< into the surface, just before
-  double slip_m_per_s = 0;     ///< along the surface
+  double approach_m_per_s = 0; ///< speed into the surface, just before the hit
+  double slip_m_per_s = 0;     ///< speed along the surface
 };
-/// It touches the body still.
+/// The tool still touches the body.
 struct ContactEvent {
   std::uint64_t key = 0;
   double time_s = 0;
   double depth_m = 0;
   Vec3 force_n{};
 };
-/// It has left the body.
+/// The tool has left the body.
 struct ReleaseEvent {
   std::uint64_t key = 0;
   double time_s = 0;

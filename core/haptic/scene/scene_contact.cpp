@@ -23,8 +23,8 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     touches_.count = 0;
     started_ = true;
   }
-  // Half of the work is reserved for the contact and a quarter for motions: bodies that appear do
-  // not stop the motion of others, and neither stops the contact.
+  // Half of the work is reserved for the contact and a quarter for motions. So bodies that appear
+  // do not stop the motion of other bodies, and neither stops the contact.
   WorkLimit appearing(work_per_tick_ / 4);
   resolve_overlaps(tick, appearing);
   find_near_bodies(goal);
@@ -47,11 +47,11 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
 
 /// Collects the bodies that the proxy can reach in this tick. Those that it touches come first:
 /// their faces shorten a motion, so that bodies behind them need no exact test. The proxy stays
-/// within |proxy - goal| of its goals, and friction moves these by no more than that again.
+/// within |proxy - goal| of its goals, and friction moves the goals by at most the same distance.
 void SceneModel::find_near_bodies(const Vec3& goal) noexcept {
   double reach = 3.0 * norm(proxy_ - goal) + 1e-6;
   for (const Slot& slot : slots())
-    if (slot.moved()) // it may move the proxy along
+    if (slot.moved()) // the body may take the proxy along
       reach += 3.0 * norm(slot.pose.to_world(slot.before.to_local(proxy_)) - proxy_);
   near_body_count_ = 0;
   std::fill_n(near_body_index_.begin(), count_, Proxy::kNoSlot);

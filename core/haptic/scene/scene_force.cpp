@@ -16,7 +16,7 @@ Vec3 SceneModel::render(const Tick& tick, const Vec3& goal, const Vec3& velocity
     return {};
   Vec3 friction_force =
       (proxy_ - goal - touches_.normal_part()) * (total_spring_force / total_penetration);
-  // The distance to a proxy that has not arrived yet is not all due to friction.
+  // The distance to a proxy that has not arrived yet is not entirely due to friction.
   if (!complete_)
     friction_force =
         limited(friction_force, friction_of(touches_.all(), near_bodies()) * total_spring_force);

@@ -38,8 +38,8 @@ void SceneModel::begin() noexcept {
 }
 
 void SceneModel::take_scene(const Tick& tick) noexcept {
-  // Only the servo takes a pending scene, so that it is still there for the exchange. While the
-  // ring of returned scenes is full the new one has to wait.
+  // Only the servo takes a pending scene, so the scene is still there at the exchange. While the
+  // ring of returned scenes is full, the new scene has to wait.
   if (!pending_.load(std::memory_order_relaxed) || (scene_ && !retired_.push(scene_)))
     return;
   scene_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
@@ -109,7 +109,7 @@ void SceneModel::glide(Slot& slot) noexcept {
 
 /// Moves the proxy out of bodies that have appeared around it, through their nearest faces; if an
 /// exit lies in another body, out of that body in turn. If the bodies leave no room for the tool,
-/// the proxy stays and does not touch those that it overlaps.
+/// the proxy stays and does not touch the bodies that it overlaps.
 void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   constexpr int kRounds = 8, kExitWork = 10;
   const std::size_t first = std::exchange(first_overlapping_, 0);
@@ -141,7 +141,7 @@ void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
 }
 
 /// The body that holds the proxy with the largest friction. When several bodies rub on the proxy in
-/// different directions it follows this one, since it has no mass.
+/// different directions, the proxy follows this body, since the proxy has no mass.
 std::size_t SceneModel::holding_body() const noexcept {
   std::size_t holder = Proxy::kNoSlot;
   double largest = -1;

@@ -12,13 +12,13 @@
 
 namespace tactus::haptic {
 
-/// Renders the contact of a spherical tool with a scene inside the servo.
-/// docs/theory/scene.md has the model.
+/// Renders the contact of a spherical tool with a scene inside the servo. docs/theory/scene.md has
+/// the model.
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
-/// over the faces i that hold the proxy. n_i, k_i, b_i: normal, stiffness and damping of a face;
-/// the vector from handle to proxy is sum_i d_i n_i + t, where d_i >= 0 is the depth along n_i and
-/// t the tangential rest, held by friction, k |t| <= sum_i mu_i k_i d_i; v: velocity of the handle
-/// relative to the body; k: mean of the k_i weighted by d_i.
+/// over the faces i that hold the proxy. n_i, k_i, b_i: normal, stiffness and damping of a face. v:
+/// velocity of the handle relative to the body. k: mean of the k_i weighted by d_i. The vector from
+/// handle to proxy is sum_i d_i n_i + t. d_i >= 0 is the depth along n_i, and t the tangential
+/// remainder, which friction holds: k |t| <= sum_i mu_i k_i d_i.
 ///
 /// The host publishes whole scenes. The servo takes the newest at the start of a tick and returns
 /// the old one, so that it neither allocates nor frees memory. A body that keeps its key keeps its
@@ -28,7 +28,7 @@ namespace tactus::haptic {
 ///
 /// A tick computes no more than its work limit; the rest is done in the next ticks. Until then the
 /// proxy stays at the end of its last complete motion, outside of every body and held by the faces
-/// found so far, and a body whose motion against the proxy is not yet computed stays in its pose.
+/// found so far. A body whose motion against the proxy is not yet computed stays in its pose.
 class SceneModel final : public LocalModel {
 public:
   static constexpr double kOverlapForceRise_n_per_s = 100, kMaxOverlapForce_n = 1;
@@ -36,7 +36,7 @@ public:
   static constexpr double kRearm_m = 2e-4,
                           kRearm_s = 0.01; ///< distance and time before the next hit
   static constexpr double kContactEvery_s = 4e-3;
-  static constexpr std::int64_t kWorkPerTick = 16000; ///< some 0.1 ms; see docs/theory/scene.md
+  static constexpr std::int64_t kWorkPerTick = 16000; ///< about 0.1 ms; see docs/theory/scene.md
 
   explicit SceneModel(std::int64_t work_per_tick = kWorkPerTick) noexcept
       : work_per_tick_(work_per_tick) {}
@@ -61,7 +61,7 @@ public:
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
   [[nodiscard]] const Vec3& proxy() const noexcept { return proxy_; }
   [[nodiscard]] std::span<const Touch> touches() const noexcept { return touches_.all(); }
-  /// Whether the proxy of the last tick is final: its work limit sufficed.
+  /// True if the proxy of the last tick is final, because the work limit sufficed.
   [[nodiscard]] bool complete() const noexcept { return complete_; }
 
 private:
@@ -75,10 +75,12 @@ private:
     double glide_ticks = 1, glide_elapsed_ticks = 1;
     bool is_new = true, touching = false;
     bool armed = true;     ///< the next contact may be a hit
-    bool separated = true; ///< has been kRearm_m away since the last contact
+    bool separated = true; ///< the tool has been kRearm_m away since the last contact
     double released_s = -1e9, reported_s = -1e9;
-    double overlap_start_s = -1;      ///< when it appeared around the handle; negative: it did not
-    double overlap_start_force_n = 0; ///< its force just before, where the tool has grown
+    double overlap_start_s = -1;      ///< time at which the body appeared around the handle;
+                                      ///< negative: it did not
+    double overlap_start_force_n = 0; ///< force of the body just before that time, if the tool has
+                                      ///< grown
     double force_n = 0;               ///< its force in the last tick
 
     [[nodiscard]] bool moved() const noexcept { return !(pose == before); }
@@ -118,7 +120,7 @@ private:
   std::size_t count_ = 0;
   std::array<Obstacle, Scene::kMaxBodies> near_bodies_{};
   std::array<std::size_t, Scene::kMaxBodies>
-      near_body_index_{}; ///< of each slot; kNoSlot: not near
+      near_body_index_{}; ///< index of each slot; kNoSlot: not near
   std::size_t near_body_count_ = 0;
   std::size_t first_moving_ = 0;                     ///< body whose motion was postponed
   std::size_t first_overlapping_ = 0;                ///< body whose exit was postponed

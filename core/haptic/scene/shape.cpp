@@ -18,8 +18,8 @@ Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
 }
 
 /// The smaller root of a s^2 + 2 b s + c = 0: the fraction s at which |from + s motion| falls to a
-/// radius. Nothing when the motion begins inside or does not reach it. In the form without
-/// cancellation for a motion that begins at the surface.
+/// radius. Nothing if the motion begins inside the circle or does not reach it. The form without
+/// cancellation, for a motion that begins at the surface.
 std::optional<double> enters_circle(double a, double b, double c) noexcept {
   const double discriminant = b * b - a * c;
   if (!(c >= 0.0 && b < 0.0 && discriminant >= 0.0))

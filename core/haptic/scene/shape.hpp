@@ -38,26 +38,27 @@ using Shape = std::variant<Plane, Sphere, Box, Disk, MeshSurface>;
                                                const Vec3& from, const Vec3& to,
                                                WorkLimit& work) noexcept;
 
-/// A point on the surface of that sum, with the outward unit normal.
+/// A point on the surface of this Minkowski sum, with the outward unit normal.
 struct SurfacePoint {
   Vec3 point, normal;
 };
-/// The nearest position at which a tool that overlaps the shape only touches it. Nothing without an
-/// overlap. A mesh has no inside: the tool leaves it on the side of its centre.
+/// The nearest position at which a tool that overlaps the shape would only touch it. Nothing
+/// without an overlap. Because a mesh has no inside, the tool leaves a mesh on the side where the
+/// tool's centre is.
 [[nodiscard]] std::optional<SurfacePoint>
 nearest_exit(const Shape& shape, double tool_radius, const Vec3& inside, WorkLimit& work) noexcept;
-/// For a curved face that is touched with that outward normal: the point of the same face nearest
-/// to a point inside. Nothing on flat faces, and where the nearest point belongs to another face.
+/// For a curved face that is touched with this outward normal: the point of the same face nearest
+/// to a point inside. Nothing on flat faces, or if the nearest point belongs to another face.
 [[nodiscard]] std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_radius,
                                                            const Vec3& normal,
                                                            const Vec3& inside) noexcept;
 
 /// A lower bound of the distance from the point to the shape, m; cheap to compute.
 [[nodiscard]] double distance_lower_bound(const Shape& shape, const Vec3& point) noexcept;
-/// Whether the whole shape is at least that far from the point. False when the work is exhausted.
+/// True if the whole shape is at least `distance` from the point. False if the work is exhausted.
 [[nodiscard]] bool is_farther(const Shape& shape, const Vec3& point, double distance,
                               WorkLimit& work) noexcept;
-/// The axis-aligned box in world coordinates around the shape in that pose; infinite for a plane.
+/// The axis-aligned box in world coordinates around the shape in this pose; infinite for a plane.
 [[nodiscard]] Bounds bounds_of(const Shape& shape, const Pose& pose) noexcept;
 
 } // namespace tactus::haptic

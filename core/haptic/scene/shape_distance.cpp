@@ -38,7 +38,8 @@ bool farther(const MeshSurface& surface, const Vec3& p, double distance, WorkLim
   return !surface.mesh->nearest(p, distance, work) && !work.exhausted();
 }
 
-/// The axis-aligned box around a rotated one: its half extents are |R| half, elementwise |R|.
+/// The axis-aligned box around a rotated box: its half extents are |R| half, where |R| is the
+/// elementwise absolute value.
 Bounds enclosing_box(const Vec3& middle, const Vec3& half, const Pose& pose) noexcept {
   const Vec3 x = pose.rotation.rotated({half.x, 0, 0}), y = pose.rotation.rotated({0, half.y, 0}),
              z = pose.rotation.rotated({0, 0, half.z}), centre = pose.to_world(middle);

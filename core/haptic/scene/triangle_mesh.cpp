@@ -63,7 +63,7 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
   sort(order);
 }
 
-/// Sorts the triangles in that order and the corners by their first use, so that neighbours in
+/// Sorts the triangles in the given order and the corners by their first use, so that neighbours in
 /// space are neighbours in memory.
 void TriangleMesh::sort(std::span<const std::uint32_t> order) {
   constexpr std::uint32_t kUnused = ~0u;
@@ -147,7 +147,8 @@ TriangleMesh::Plate TriangleMesh::plate_around(std::span<const std::uint32_t> or
 }
 
 /// Builds a node of the hierarchy over the triangles `order`: splits them at the median of their
-/// centroids along the longest extent of these. first: index of order[0] among all triangles.
+/// centroids, along the longest extent of the centroids. first: index of order[0] among all
+/// triangles.
 void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
                          std::span<const Vec3> centroids, std::uint32_t first, int depth) {
   Vec3 low = corners_[triangles_[order[0]][0]], high = low;

@@ -26,18 +26,18 @@ public:
   TriangleMesh(std::span<const Vec3> corners_m, std::span<const Triangle> triangles);
 
   /// The first triangle that a point meets between two positions. Watertight: an edge shared by two
-  /// triangles is tested with the same rounding for both, so that no motion passes between them. Of
-  /// triangles met at the same fraction the last one in the mesh's own order counts.
+  /// triangles is tested with the same rounding for both, so that no motion passes between them. If
+  /// several triangles are met at the same fraction, the last one in the mesh's own order counts.
   [[nodiscard]] std::optional<Crossing> crossing(const Vec3& from, const Vec3& to,
                                                  WorkLimit& work) const noexcept;
-  /// The first triangle that a sphere of that radius (> 0) meets, by convex_crossing.hpp; `from`,
-  /// `to` and the crossing are of the sphere's centre.
+  /// The first triangle that a sphere of this radius (> 0) meets, by convex_crossing.hpp; `from`,
+  /// `to` and the crossing refer to the sphere's centre.
   [[nodiscard]] std::optional<Crossing> crossing(double radius, const Vec3& from, const Vec3& to,
                                                  WorkLimit& work) const noexcept;
   struct Nearest {
     Vec3 point;
     double distance;
-    Vec3 face_normal; ///< of its triangle, of unit length
+    Vec3 face_normal; ///< normal of its triangle, of unit length
   };
   /// The point of the surface nearest to p, if it is nearer than the limit.
   [[nodiscard]] std::optional<Nearest> nearest(const Vec3& p, double limit,
@@ -51,7 +51,8 @@ private:
   /// nearest-first traversal reads both from one cache line.
   struct Node {
     std::array<float, 3> low, high;
-    std::uint32_t first = 0; ///< leaf: its first triangle; else its first child, the other follows
+    std::uint32_t first = 0; ///< leaf: its first triangle; else its first child, which the second
+                             ///< child follows
     std::uint32_t count = 0; ///< triangles of a leaf, else 0
     [[nodiscard]] Bounds bounds() const noexcept {
       return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
@@ -61,16 +62,16 @@ private:
   struct Approach {
     double distance, slope;
   };
-  /// A flat cylinder around the triangles of a node: much closer to a smooth surface that lies at
-  /// an angle than the box, and so for a sphere that touches it. Single precision, rounded
-  /// outwards.
+  /// A flat cylinder around the triangles of a node. It encloses a smooth surface at an angle much
+  /// more closely than the box, so that fewer nodes are near a sphere that touches the surface.
+  /// Single precision, rounded outwards.
   struct Plate {
     std::array<float, 3> centre{}, axis{};
     float half_thickness = 0, radius = 0;
     [[nodiscard]] Approach approach(const Vec3& p, const Vec3& motion,
                                     double length) const noexcept;
   };
-  static constexpr int kMaxDepth = 62; ///< of the hierarchy; halving 2^32 triangles needs 32
+  static constexpr int kMaxDepth = 62; ///< depth of the hierarchy; halving 2^32 triangles needs 32
   static constexpr int kNodeWork = 5, kTriangleWork = 4, kStepWork = 4;
   struct Corners {
     Vec3 a, b, c;
@@ -91,7 +92,7 @@ private:
   std::vector<Vec3> corners_;
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
-  std::vector<Plate> plates_; ///< of each node
+  std::vector<Plate> plates_; ///< plate of each node
   Bounds bounds_{};
 };
 

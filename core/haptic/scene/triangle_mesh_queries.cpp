@@ -5,8 +5,9 @@
 namespace tactus::haptic {
 namespace {
 
-/// motion . (a x b), six times the signed volume of the tetrahedron of the origin, a motion from
-/// there and the edge a b. Exchanging a and b gives exactly the negative, whatever the rounding.
+/// motion . (a x b), six times the signed volume of the tetrahedron that the origin, a motion from
+/// the origin and the edge a b form. Exchanging a and b gives exactly the negative, whatever the
+/// rounding.
 double signed_volume(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
   return motion.x * (a.y * b.z - a.z * b.y) + motion.y * (a.z * b.x - a.x * b.z) +
          motion.z * (a.x * b.y - a.y * b.x);
@@ -45,7 +46,8 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 TriangleMesh::Approach TriangleMesh::Plate::approach(const Vec3& p, const Vec3& motion,
                                                      double length) const noexcept {
   // Single precision makes the axis slightly longer or shorter than 1. The relative error of the
-  // distance from the centre and of the slope (to the length of the motion) is below kRounding.
+  // distance from the centre and of the slope (relative to the length of the motion) is below
+  // kRounding.
   constexpr double kRounding = 3e-7;
   const Vec3 n{axis[0], axis[1], axis[2]}, from_centre = p - Vec3{centre[0], centre[1], centre[2]};
   const double height = dot(from_centre, n);
@@ -79,7 +81,7 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
   struct PendingNode {
     std::uint32_t node;
     double entry;    ///< lower bound of the fraction
-    double distance; ///< m, from where the motion begins, of a sphere
+    double distance; ///< m, of a sphere, from the point where the motion begins
   };
   const auto make_pending = [&](std::uint32_t node, double parent_entry) {
     PendingNode pending{node, parent_entry, 0.0};
@@ -89,7 +91,8 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
     }
     // The first steps of convex_crossing() with the plate.
     constexpr int kSteps = 3;
-    constexpr double kSlack_m = 1e-12; // far above its tolerance and rounding
+    constexpr double kSlack_m = 1e-12; // far above the tolerance and the rounding of
+                                       // convex_crossing()
     for (int step = 0; step < kSteps && pending.entry <= limit; ++step) {
       work.spend(kStepWork);
       const Approach at = plates_[node].approach(from + motion * pending.entry, motion, length);
@@ -154,7 +157,7 @@ std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to,
       return;
     Vec3 normal = cross(b - a, c - a);
     const double slope = dot(motion, normal), height = dot(a, normal);
-    if (slope == 0.0) // along the surface
+    if (slope == 0.0) // motion along the surface
       return;
     const double crossing_fraction = height / slope;
     if (!(crossing_fraction >= 0.0 && crossing_fraction <= fraction) ||

@@ -20,7 +20,7 @@ public:
   void follow(double host_ms, double servo_s) noexcept;
   /// The host's time for a time of the servo's clock, ms.
   [[nodiscard]] double host_ms(double servo_s) const noexcept { return servo_s * 1e3 + ahead_ms_; }
-  /// By how much the host's clock is faster; accurate to 20 ppm after two minutes.
+  /// Rate by which the host's clock is faster, ppm; accurate to 20 ppm after two minutes.
   [[nodiscard]] double drift_ppm() const noexcept { return 1e6 * drift_; }
   [[nodiscard]] std::uint64_t leaps() const noexcept { return leaps_; }
 

@@ -23,7 +23,7 @@ public:
       sum += forces_[i] = models_[i]->force(tick, state);
     return sum;
   }
-  /// The last force of that model, N; for models that are evaluated after it in the same tick.
+  /// The last force of a model, N; for models that are evaluated after it in the same tick.
   [[nodiscard]] const Vec3& force_of(std::size_t model) const noexcept { return forces_[model]; }
 
 private:

@@ -2,7 +2,8 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kSilenceTimeout_s = 0.02; // without an answer of the device before it has failed
+constexpr double kSilenceTimeout_s = 0.02; // time without an answer after which the device has
+                                           // failed
 
 ChainSettings::Device device_of(const Caps& caps) noexcept {
   ChainSettings::Device device;
@@ -145,8 +146,9 @@ State Servo::read_state(const Tick& tick) noexcept {
   return state;
 }
 
-/// While the device has no valid position, the models get the last valid one. When it becomes valid
-/// they are restarted there, so that the jump of the position produces no contact.
+/// While the device has no valid position, the models get the last valid position. When the
+/// position becomes valid, the models are restarted there, so that the jump of the position
+/// produces no contact.
 State Servo::shown_to_models(const State& state) noexcept {
   const bool located = is_located(state);
   if (located && !located_)

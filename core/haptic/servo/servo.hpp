@@ -49,7 +49,7 @@ struct ServoSettings {
   AxisMap map{};
 };
 
-/// Failure of a device: it reports one, or it no longer answers.
+/// Failure of a device: the device reports a fault, or it no longer answers.
 enum class Fault { kNone, kReported, kSilent };
 
 /// Input and output of the newest tick; position, velocity and force in the project frame.
@@ -60,18 +60,18 @@ struct Report {
   WristCommand wrist{}; ///< zero while it is off
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
-  double asked_n = 0, taken_n = 0;        ///< as in ChainState
-  bool clipping = false, braking = false; ///< as in ChainState
-  bool frozen = false;                    ///< as in ChainState
+  double asked_n = 0, taken_n = 0;        ///< forces as in ChainState
+  bool clipping = false, braking = false; ///< flags as in ChainState
+  bool frozen = false;                    ///< flag as in ChainState
   bool motors = true, latched = false;
   bool derating = false;      ///< as ThermalLimit::derating()
   double derated_to_n = 0;    ///< as ThermalLimit::steady_limit_n()
   double heat_n2 = 0;         ///< as ThermalLimit::heat_n2()
-  Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
+  Fault fault = Fault::kNone; ///< failure of the device, kept until the motors are enabled
   std::uint32_t faults = 0;   ///< number of faults since the device was attached
 };
 
-/// A button has been pressed or let go.
+/// A button has been pressed or released.
 struct ButtonEvent {
   int number = 0;
   bool on = false;
@@ -116,16 +116,17 @@ public:
   /// Starts with zero force and a new chain. An emergency stop and a failure of the last device
   /// stay in effect until the motors are enabled; the statistics continue until they are reset.
   /// `model` must be passive. The force of `patch` is treated like the host's commands, but not
-  /// interpolated: the passivity controller allows its work up to allowance_w. Not while a step
-  /// runs.
+  /// interpolated: the passivity controller allows its work up to allowance_w. Not to be called
+  /// while a step runs.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
   /// Sets the heat of the motors, N^2 (thermal.hpp), before attach(); without it attach() keeps the
-  /// heat of the last device. Not while a step runs.
+  /// heat of the last device. Not to be called while a step runs.
   void set_motor_heat(double heat_n2) noexcept { chain_.thermal = ThermalLimit(heat_n2); }
-  /// Continues the statistics of the servo that this one replaces. Not while a step runs.
+  /// Continues the statistics of the servo that this servo replaces. Not to be called while a step
+  /// runs.
   void continue_statistics(const Report& last, const ServoStatistics& statistics) noexcept;
-  /// Reads the device's Caps again after they have changed. Not while a step runs.
+  /// Reads the device's Caps again after they have changed. Not to be called while a step runs.
   void refresh_caps() noexcept;
 
   Exchange& exchange() noexcept { return exchange_; }
@@ -178,7 +179,7 @@ private:
   Fault fault_ = Fault::kNone;
   bool tripped_ = false, has_heartbeat_ = false;
   bool located_ = true;
-  std::optional<Vec3> located_position_{}; ///< the last one that was known, m
+  std::optional<Vec3> located_position_{}; ///< the last position that was known, m
 };
 
 } // namespace tactus::haptic

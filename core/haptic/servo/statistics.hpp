@@ -7,7 +7,7 @@
 namespace tactus::haptic {
 
 /// Histogram of durations from 0.1 us to 10 s in bins of 5 %, so that a quantile is exact to 2.5 %.
-/// A value below the range counts in the first bin, one above in the last.
+/// A value below the range counts in the first bin, a value above it in the last bin.
 class DurationHistogram {
 public:
   void add(double seconds) noexcept;

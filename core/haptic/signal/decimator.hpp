@@ -15,7 +15,7 @@ public:
   /// is bypassed.
   void set(double sample_rate_hz, double servo_rate_hz) noexcept;
   void reset() noexcept;
-  /// One sample. An input that is not finite, or beyond 1e9, counts as 0.
+  /// Filters one sample. An input that is not finite, or beyond 1e9, counts as 0.
   [[nodiscard]] double process(double input) noexcept;
 
 private:

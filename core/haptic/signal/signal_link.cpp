@@ -25,7 +25,7 @@ Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
   return (touches.empty() ? Vec3{0, 0, 1} : touches[0].normal) * newton;
 }
 
-/// One value for each tick from a queue that the audio fills in bursts. Reading starts when
+/// Returns one value for each tick from a queue that the audio fills in bursts. Reading starts when
 /// kVibrationDelay values are queued, also after the queue ran empty; a queue that has grown too
 /// long is shortened.
 double SignalLink::next_vibration() noexcept {

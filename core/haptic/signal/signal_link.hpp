@@ -23,7 +23,7 @@ public:
   /// The force that the signals request at one instant.
   struct Force {
     Vec3 force_n{};
-    double time_s = 0; ///< wall time only: when the audio wrote it
+    double time_s = 0; ///< wall time only: time at which the audio wrote the force
   };
   /// The servo's report to the audio in one tick.
   struct Sample {
@@ -53,7 +53,7 @@ public:
   void set_workspace(const Workspace& workspace) noexcept { workspaces_.write(workspace); }
   /// The scene whose contact gates the vibration and gives its direction.
   void set_scene(const SceneModel& scene) noexcept { scene_ = &scene; }
-  /// The network whose pickups are played. Its force() must be called before this one's.
+  /// The network whose pickups are played. Its force() must be called before force() of this link.
   void set_network(const NetworkModel& network) noexcept { network_ = &network; }
   /// Number of audio blocks (which shows whether audio runs), and duration of the longest.
   [[nodiscard]] std::uint64_t blocks() const noexcept {
@@ -80,12 +80,12 @@ public:
     workspaces_.read();
     return workspaces_.latest();
   }
-  /// For one audio object at a time; false when another has it.
+  /// For one audio object at a time; false when another object has the link.
   [[nodiscard]] bool acquire() noexcept { return !taken_.exchange(true); }
   void release() noexcept { taken_.store(false); }
   void count_block(double duration_s) noexcept;
-  /// Logical time: runs the tick that is due then with these signals and returns its result. NaN:
-  /// a period after the last one.
+  /// Logical time: runs the tick that is due at due_s with these signals and returns its result.
+  /// due_s NaN: one period after the last tick.
   Sample step(const Vec3& force_n, double vibration_n, bool gated, double due_s) noexcept;
   /// Logical time: the last tick, run by any object; its time is NaN before the first.
   [[nodiscard]] const Sample& last_tick() const noexcept { return tick_sample_; }

@@ -17,7 +17,7 @@ void SignalPlayer::prepare(double sample_rate_hz) noexcept {
   const double before_hz = sample_rate_hz_;
   sample_rate_hz_ = sample_rate_hz > 0 && sample_rate_hz < 1e9 ? sample_rate_hz : 48000;
   if (sample_rate_hz_ != before_hz)
-    rate_hz_ = 0; // restarts at the next block; else the grid of ticks continues
+    rate_hz_ = 0; // makes the ticks restart at the next block; else their grid would continue
 }
 
 void SignalPlayer::attach(SignalLink* link) noexcept {
@@ -37,8 +37,8 @@ void SignalPlayer::restart(SignalLink::Time time, double rate_hz) noexcept {
   decimator_.set(sample_rate_hz_, rate_hz_);
 }
 
-/// A block that does not follow the last one: the first, or one after others have stepped the
-/// servo.
+/// For a block that does not follow the last one: the first block, or a block after other objects
+/// have stepped the servo.
 void SignalPlayer::find_next_tick(double start_s) noexcept {
   sample_ = tick_ = 0;
   start_s_ = due_s_ = start_s;

@@ -13,17 +13,17 @@ namespace tactus::haptic {
 /// The audio side of a SignalLink: input samples become forces of the servo, the servo's positions
 /// become output samples.
 ///
-/// Logical time: a tick is due one period after the last one, whichever object has run that. It
-/// runs at the first sample at or after this time and reads that sample. Between ticks the output
-/// is interpolated linearly from the last position to the present one, so it is one servo period
-/// late. The result does not depend on the block size.
+/// Logical time: a tick is due one period after the last tick, whichever object has run the last
+/// one. The tick runs at the first sample at or after this time and reads that sample. Between
+/// ticks the output is interpolated linearly from the last position to the present one, so it is
+/// one servo period late. The result does not depend on the block size.
 ///
 /// Wall time: the last sample of a block is the force. Positions are read from a buffer, delay_s
 /// behind the newest, at a rate that follows the drift between the two clocks. If the host computes
 /// blocks in bursts longer than the delay, the delay grows as needed.
 ///
 /// The network's pickups are interpolated between their steps by a cubic and played with the
-/// positions, one of their own sample periods later.
+/// positions, later by one sample period of the pickups.
 class SignalPlayer {
 public:
   struct Inputs {
@@ -33,19 +33,21 @@ public:
   struct Outputs {
     Vec3 position;                                   ///< 0..1 over the workspace
     Vec3 velocity;                                   ///< m/s
-    std::array<double, Network::kPickups> network{}; ///< of the phantom's mass-spring network
+    std::array<double, Network::kPickups> network{}; ///< pickups of the phantom's mass-spring
+                                                     ///< network
   };
 
   void prepare(double sample_rate_hz) noexcept;
   void set_delay(double delay_s) noexcept { delay_s_ = delay_s; }
   /// true: the vibration acts only while the handle touches a body of the scene.
   void set_gate(bool gated) noexcept { gated_ = gated; }
-  /// In the thread of process(), or while it does not run. Null: the outputs hold their value.
+  /// To be called in the thread of process(), or while process() does not run. Null: the outputs
+  /// hold their value.
   void attach(SignalLink* link) noexcept;
 
-  /// Before and after a block. start_s: logical time of its first sample on the clock of the link's
-  /// origin; without it the first tick is at the first sample and the others follow one period
-  /// apart. wall_s is the present wall-clock time.
+  /// To be called before and after a block. start_s: logical time of its first sample on the clock
+  /// of the link's origin; without start_s the first tick is at the first sample, and the other
+  /// ticks follow one period apart. wall_s is the present wall-clock time.
   void begin_block(std::size_t frames,
                    double start_s = std::numeric_limits<double>::quiet_NaN()) noexcept;
   void end_block(double wall_s) noexcept;
@@ -79,7 +81,7 @@ private:
   bool gated_ = true;
   SignalLink::Time time_ = SignalLink::Time::kNone;
 
-  std::uint64_t sample_ = 0, tick_ = 0; // since the last restart, or find_next_tick()
+  std::uint64_t sample_ = 0, tick_ = 0; // counts since the last restart, or find_next_tick()
   // Logical time, of sample 0 and tick 0; not finite: unknown.
   double start_s_ = std::numeric_limits<double>::quiet_NaN(), due_s_ = start_s_;
   Sample previous_{}, current_{};
@@ -92,7 +94,8 @@ private:
   std::array<NetworkSample, kNetworkHistory> network_{}; // number n at n % kNetworkHistory
   double played_s_ = 0;
   double newest_s_ = 0;                                // time of the newest sample
-  double since_newest_s_ = 0, max_since_newest_s_ = 0; // time played since it arrived
+  double since_newest_s_ = 0, max_since_newest_s_ = 0; // time played since the newest sample
+                                                       // arrived
   bool playing_ = false;
 };
 

@@ -18,7 +18,7 @@ namespace tactus::modal {
 inline constexpr std::size_t kLanes = 64;     ///< modes in a block
 inline constexpr std::size_t kTimeBlock = 16; ///< samples in a time block
 inline constexpr std::size_t kHalfTimeBlock = kTimeBlock / 2;
-inline constexpr std::size_t kMaxTimeBlocks = 4; ///< in one call
+inline constexpr std::size_t kMaxTimeBlocks = 4; ///< time blocks in one call
 inline constexpr std::size_t kMaxSamples = kTimeBlock * kMaxTimeBlocks;
 inline constexpr std::size_t kMaxPickupParts = 12; ///< pick-ups in one call
 
@@ -33,13 +33,12 @@ struct alignas(64) ComplexLane {
 /// The poles p = exp(s T) of a block of modes, s their rates in 1/s and T a sample's length.
 ///
 /// Where the decays differ, power[m] holds p^(m + 1). Where the modes share a decay (shares_decay),
-/// power[m], m < kHalfTimeBlock, holds cos and sin of omega T (m + 1/2), and the entries at the
-/// indices below hold the powers that move a state between the beginning and the middle of a time
-/// block.
+/// power[m], m < kHalfTimeBlock, holds cos and sin of omega T (m + 1/2). The entries at the indices
+/// below hold the powers that move a state between the beginning and the middle of a time block.
 struct alignas(64) PoleBlock {
   ComplexLane power[kTimeBlock];
   bool shares_decay = false;
-  std::uint32_t decay_index = 0; ///< in BankView::decays, where shares_decay
+  std::uint32_t decay_index = 0; ///< index in BankView::decays, if shares_decay
 
   static constexpr std::size_t kWholeTimeBlock = 8, kToMiddle = 9, kFromMiddle = 10,
                                kOneSample = 11;
@@ -108,7 +107,7 @@ public:
 };
 
 using simd::VectorSet;
-/// The implementation for the widest set up to this one that the processor runs.
+/// The implementation for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] const BankKernel* bank_kernel(VectorSet widest) noexcept;
 [[nodiscard]] const BankKernel* bank_kernel(simd::Baseline) noexcept;
 [[nodiscard]] const BankKernel* bank_kernel(simd::Avx2) noexcept;

@@ -7,15 +7,15 @@
 /// one.
 ///
 /// Modes lie across vector lanes. The outputs of a time block of 16 samples are products of the
-/// state at its beginning with a table of the pole's powers, and the state at its end is a product
-/// of the forces with the same table (block recursion of a state-space filter). No sample waits for
+/// state at its beginning with a table of the pole's powers. The state at its end is a product of
+/// the forces with the same table (block recursion of a state-space filter). No sample waits for
 /// the one before, rounding enters once in 16 samples, and the pitch is as exact as the table. One
 /// force and one pick-up cost 4 fused multiply-adds per mode and sample, and 10 per mode and time
 /// block for gains and the state.
 ///
 /// Modes that share a decay cost half. With c = w z in the middle of the time block, an undamped
-/// mode gives E + O at a time t after the middle and E - O at the same time before it, where E =
-/// Im(c) cos(omega t) and O = Re(c) sin(omega t): one product for two samples. The common decay is
+/// mode gives E + O at a time t after the middle and E - O at the same time before it. E = Im(c)
+/// cos(omega t) and O = Re(c) sin(omega t), so one product serves two samples. The common decay is
 /// multiplied in afterwards. A mode's own decay may differ from it by at most
 /// ModeBank::kMaxDecayMismatch. Within a time block the error is that difference times 8 samples.
 /// It does not accumulate, because the step of the state is exact.
@@ -73,7 +73,7 @@ template <class Set> class BankLanes final : public BankKernel {
 
   /// The input of a tile's modes in time blocks from l on, before the gains: sum of p^(15 - j)
   /// F[j].
-  // Seven arguments, as add_output() below: always inlined, so that they stay in registers.
+  // Always inlined, as add_output() below, so that the seven arguments stay in registers.
   template <std::size_t TimeBlocks>
   [[gnu::always_inline]] static void
   gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
@@ -99,7 +99,8 @@ template <class Set> class BankLanes final : public BankKernel {
 
   /// Stores a block's states at the beginning (or in the middle) of each time block in `states`,
   /// times `weight` if there is one, and advances the block to the end of the last time block.
-  // Seven arguments: a call for a whole block of poles, whose loops take far longer than the call.
+  // Not inlined: the loops over a whole block of poles take far longer than a call with seven
+  // arguments.
   template <std::size_t TimeBlocks>
   [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
                                      std::span<const BankDrive> drives, const Folded& folded,
@@ -163,13 +164,13 @@ template <class Set> class BankLanes final : public BankKernel {
   /// The two sums of one pick-up over blocks of one kind, not yet added up over their lanes.
   template <std::size_t TimeBlocks> struct Sums {
     V real[TimeBlocks * kTimeBlock],
-        imaginary[TimeBlocks * kTimeBlock]; // with the powers' real and imaginary parts
+        imaginary[TimeBlocks * kTimeBlock]; // sums with the powers' real and imaginary parts
     void clear(std::size_t times) noexcept {
       for (std::size_t n = 0; n < TimeBlocks * times; ++n)
         real[n] = imaginary[n] = V{};
     }
   };
-  // Seven arguments: always inlined, so that they stay in registers.
+  // Always inlined, so that the seven arguments stay in registers.
   template <std::size_t TimeBlocks, std::size_t Times>
   [[gnu::always_inline]] static void add_output(const PoleBlock* const* poles, std::size_t blocks,
                                                 const TimeBlockPlanes& weighted, std::size_t first,
@@ -242,8 +243,8 @@ template <class Set> class BankLanes final : public BankKernel {
       for (std::size_t n = 0; n < TimeBlocks * kTimeBlock; ++n)
         pickups[k].out[n] = 0;
     const CommonDecay* decay = nullptr;
-    std::size_t times = 0; // of the sums; none yet
-    bool from_zero = true; // nothing is in them
+    std::size_t times = 0; // number of times in the sums; 0: no sums yet
+    bool from_zero = true; // the sums are still empty
     const auto collect_all = [&] {
       for (std::size_t k = 0; k < pickup_count && times > 0; ++k)
         collect<TimeBlocks>(sums[k], decay, pickups[k].out);

@@ -47,8 +47,10 @@ template <class Set> struct BankTiles {
   using Traits = BankVector<Set>;
   using V = typename Traits::Type;
   static constexpr std::size_t kWidth = Traits::width;
-  static constexpr std::size_t kRegisters = Traits::registers; ///< of modes in a tile of gather()
-  static constexpr std::size_t kTimeBlocks = Traits::time_blocks; ///< in a tile of gather()
+  static constexpr std::size_t kRegisters = Traits::registers; ///< registers of modes in a tile of
+                                                               ///< gather()
+  static constexpr std::size_t kTimeBlocks = Traits::time_blocks; ///< time blocks in a tile of
+                                                                  ///< gather()
   static constexpr std::size_t kTimes = Traits::times; ///< samples in a tile of add_output()
   static constexpr std::size_t kStep = kRegisters * kWidth;
 
@@ -72,7 +74,7 @@ template <class Set> struct BankTiles {
   };
   /// For each time block l, adds to `sum` the sum over m < count of Re(power(m)) x[l * stride + m]
   /// and Im(power(m)) y[l * stride + m].
-  // Seven arguments: always inlined, so that they stay in registers.
+  // Always inlined, so that the seven arguments stay in registers.
   template <std::size_t TimeBlocks, class Power>
   [[gnu::always_inline]] static void gather(const Power& power, std::size_t at, std::size_t count,
                                             const float* x, const float* y, std::size_t stride,
@@ -139,8 +141,8 @@ template <class Set> struct BankTiles {
         sums[l * stride + i] = sum[l][i];
   }
 
-  /// The sums over the lanes of each of kWidth vectors, as one vector: halves are added, then
-  /// quarters, of two vectors at a time.
+  /// The sums over the lanes of each of kWidth vectors, as one vector. For two vectors at a time,
+  /// the halves are added, then the quarters.
   [[gnu::always_inline]] static V across(const V* of) noexcept {
     if constexpr (kWidth == 16) {
       V half[8], quarter[4];
@@ -168,7 +170,7 @@ template <class Set> struct BankTiles {
       return last_pairs(of);
     }
   }
-  /// The same of one vector, in the same order.
+  /// The sum over the lanes of one vector, in the same order.
   [[gnu::always_inline]] static float across(V sum) noexcept {
     using Four [[gnu::vector_size(16)]] = float;
     Four four;

@@ -13,7 +13,7 @@ namespace tactus::modal {
 /// so that value and slope are continuous. A target that moves at constant speed is followed
 /// exactly, a segment and a half late. A jump is spread over two segments: at 48 kHz its sidebands
 /// 1 kHz away from a tone are below -65 dB. A target that arrives within a segment waits for the
-/// next segment; of several that wait the newest counts.
+/// next segment; if several targets wait, the newest counts.
 ///
 /// A Glide stores the time only. Its owner stores the three values and the waiting target, and
 /// exchanges them as start() and advance() return.
@@ -45,7 +45,7 @@ public:
     position_ = 0;
     return Exchange::kStart;
   }
-  /// Ends at once, after the owner has set all three values to the target.
+  /// Ends the glide at once, after the owner has set all three values to the target.
   void stop() noexcept { *this = {}; }
   [[nodiscard]] bool has_target() const noexcept { return has_target_; }
   /// Drops the waiting target.

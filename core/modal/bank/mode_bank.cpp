@@ -37,7 +37,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
     to.real.v[lane] = static_cast<float>(value.real());
     to.imaginary.v[lane] = static_cast<float>(value.imag());
   };
-  double min_decay = 0, max_decay = 0; // Np a sample, of the blocks that share the last decay
+  double min_decay = 0, max_decay = 0; // Np per sample, of the blocks that share the last decay
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes, last = std::min(first + kLanes, modes_);
     double low = 1e300, high = 0;
@@ -320,8 +320,8 @@ void ModeBank::deactivate_inaudible() noexcept {
   for (std::size_t n = 0; n < active_count_; ++n) {
     const std::size_t b = active_[n];
     bool rings = false;
-    // By the block's largest weights: a mode on a nodal line of this listener may be audible at the
-    // next one.
+    // Uses the block's largest weights, because a mode on a nodal line of this listener may be
+    // audible at the next listener.
     float loudest = 0;
     for (const Pickup& pickup : pickups_)
       for (std::size_t i = 0; i < kLanes; ++i)

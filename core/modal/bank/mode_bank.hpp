@@ -33,7 +33,7 @@ public:
   void set_gain(std::size_t drive, std::span<const double> gain) noexcept;
   /// Sets a pick-up's weights w; they glide to the new ones (Glide), however often they change.
   void set_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
-  /// The same for all pick-ups in step: if one of them changes, all glide.
+  /// Sets the weights of all pick-ups in step: if one of them changes, all glide.
   void set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept;
   /// Sets a pick-up's weights without a glide.
   void jump_to_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
@@ -111,7 +111,7 @@ private:
     return {mode / kLanes, mode % kLanes};
   }
   struct Pickup {
-    std::array<std::vector<ComplexLane>, 3> weight; ///< by Part
+    std::array<std::vector<ComplexLane>, 3> weight; ///< weights by Part
     std::vector<ComplexLane> target;                ///< the waiting one
     Glide glide;
   };
@@ -144,7 +144,7 @@ private:
   void activate_driven(std::size_t drive) noexcept;
   void make_poles(std::span<const std::complex<double>> rate);
   void list_active() noexcept;
-  /// At most kMaxSamples, up to the next multiple of that on the clock.
+  /// Processes at most kMaxSamples, up to the next multiple of kMaxSamples on the clock.
   void process_chunk(std::size_t frames) noexcept;
   [[nodiscard]] std::size_t find_driving() noexcept;
   std::size_t list_pickup_parts(std::size_t at) noexcept;
@@ -178,7 +178,7 @@ private:
   std::uint64_t clock_ = 0;                            // samples
   std::size_t phase_ = 0;                              // samples into the present time block
   std::vector<std::array<float, kTimeBlock>> history_; // [drive], forces of the present time block
-  // Of the present chunk.
+  // Data of the present chunk.
   struct PickupPart {
     std::size_t pickup, part;
   };

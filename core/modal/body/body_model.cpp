@@ -11,7 +11,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: modes above it would alias
+constexpr double kMaxFrequencyRatio = 0.45; // share of the sample rate: modes above it would alias
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
@@ -279,7 +279,7 @@ std::unique_ptr<Arrivals> BodyModel::arrivals_of(std::size_t part, const Vec3& l
     return multipole_arrivals(own.table, omega_by_mode(part), from, scene,
                               is_body ? free_dipoles() : std::array<RigidDipole, 3>{},
                               is_body ? mass_kg : 0);
-  // Of two bodies one without multipoles radiates by its surface.
+  // If there are two bodies, a body without multipoles radiates by its surface.
   if (settings.radiation == Radiation::kModal ||
       (settings.radiation == Radiation::kBody && !loaded->parts.empty()))
     return own.radiating.arrivals(from, scene,

@@ -23,13 +23,14 @@ namespace tactus::modal {
 inline constexpr std::size_t kMaxListeners = 4;
 inline constexpr std::size_t kMaxContacts = 64;
 inline constexpr double kGravity = 9.80665; // m/s^2
-/// Samples that are computed together at most, and the sound of so many at each listener.
+/// The largest number of samples that are computed together; a ChannelBlock holds the sound of
+/// these samples at each listener.
 inline constexpr std::size_t kChunk = 64;
 using ChannelBlock = std::array<std::array<float, kChunk>, kMaxListeners>;
 
 /// How the sound at a listener is computed from the modes: by Rayleigh's integral for each mode
-/// (kModal), from the surface velocities in the table (kRaw), by its multipoles (kBody), or the
-/// surface velocity itself is heard (kNone).
+/// (kModal), from the surface velocities in the table (kRaw), or by the body's multipoles (kBody).
+/// With kNone the surface velocity itself is heard.
 enum class Radiation { kModal, kRaw, kBody, kNone };
 /// Names of the arrays that this radiation needs and the table lacks; empty if it has them.
 [[nodiscard]] std::string_view missing_arrays(const LoadedTable& loaded,
@@ -40,7 +41,8 @@ enum class Damping { kTable, kRayleigh, kLoss, kCurve };
 
 /// How a body rests on its board: contact points, contact law and load.
 struct RestSettings {
-  std::vector<Vec3> point_m; ///< in the body's axes; moved to the nearest point of each surface
+  std::vector<Vec3> point_m; ///< points in the body's axes; moved to the nearest point of each
+                             ///< surface
   /// The contact law at each point. Default: the felt of a piano's bass hammer with a loss (Chaigne
   /// & Askenfelt, J. Acoust. Soc. Am. 95, 1994: 4e8 N/m^2.3).
   contact::ImpactLaw law{4e8, 2.3, 2};
@@ -55,12 +57,12 @@ struct RestSettings {
 
 /// The settings of a body that can change while it sounds.
 struct BodySettings {
-  double youngs_modulus_pa = 0; ///< 0: the table's
-  double density_kg_per_m3 = 0; ///< 0: the table's
-  double poisson = -1;          ///< below 0: the table's
-  double size = 1;              ///< factor of the table's lengths
-  /// Displacements of the table's shape parameters, m in the table's size. Empty, or of another
-  /// length than the table's list: the table's shape.
+  double youngs_modulus_pa = 0; ///< 0: the value of the table
+  double density_kg_per_m3 = 0; ///< 0: the value of the table
+  double poisson = -1;          ///< below 0: the value of the table
+  double size = 1;              ///< factor on the table's lengths
+  /// Displacements of the table's shape parameters, m in the table's size. If the list is empty, or
+  /// not as long as the table's list, the table's shape is used.
   std::vector<double> shape_displacement_m;
   Damping damping = Damping::kTable;
   double rayleigh_a_per_s = 0, rayleigh_b_s = 0;
@@ -68,13 +70,13 @@ struct BodySettings {
   std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
   double choke_t60_s = 0; ///< above 0: additional damping of every mode, by decay time
   Radiation radiation = Radiation::kModal;
-  /// m, in the body's axes. The defaults are two in front of the body, then two behind it. The
-  /// first two are not mirror images: a body that swings from one to the other, as a struck tube
-  /// does, would be heard by them in opposite phase, and their sum would be silent.
+  /// m, in the body's axes. By default two listeners are in front of the body, then two behind it.
+  /// The first two are not mirror images: they would hear a body that swings from one to the other,
+  /// as a struck tube does, in opposite phase, and their sum would be silent.
   std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{-0.03, 0.2, 0.55},
                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
-  std::size_t max_modes = 0; ///< the most modes in the bank; 0: no limit
+  std::size_t max_modes = 0; ///< largest number of modes in the bank; 0: no limit
   std::size_t voices = 8;    ///< strikes at once
   RestSettings rest;
   double sample_rate = 48000;
@@ -87,7 +89,7 @@ struct BodySettings {
 /// Scaling at fixed Poisson's ratio: f ~ sqrt(E/rho)/L, phi ~ 1/sqrt(rho L^3), mass ~ rho L^3,
 /// inertia ~ rho L^5. Another Poisson's ratio multiplies each frequency by exp(d ln f/d nu *
 /// change), from the table; another shape by frequency_factors(). Decay: alpha = (a + b omega^2)/2
-/// or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
+/// or omega eta/2, plus the decay rate by radiation, plus the choke's 6.91/T60.
 ///
 /// A body on a board is one model with the modes of both. `size` applies to both; the other
 /// material settings apply to the body only.
@@ -104,9 +106,11 @@ struct BodyModel {
   std::vector<std::size_t>
       index_of; ///< index in `mode` of each of the table's modes; mode.size(): left out
   std::size_t audible_modes = 0;
-  std::vector<std::complex<double>> rate;                              ///< of `mode`
-  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< of the audible modes
-  std::array<double, kMaxListeners> delay_s{};                         ///< of the delay line
+  std::vector<std::complex<double>> rate;                              ///< rates of the modes in
+                                                                       ///< `mode`
+  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< weights of the audible
+                                                                       ///< modes
+  std::array<double, kMaxListeners> delay_s{};                         ///< delays of the delay line
   bool uses_recordings = false; ///< strikes play recordings (RawTable) instead of contacts
   std::array<RawListener, kMaxListeners> raw;
   /// The motion: in the solver while something touches the body, else in the bank, which is much
@@ -115,7 +119,7 @@ struct BodyModel {
   ContactSolver solver;
   bool in_solver = false;
   std::size_t culled = 0; ///< modes that were last left out as inaudible
-  /// Moves the motion to the solver, where a body on a board touches it.
+  /// Moves the motion to the solver, where a body on a board touches the board.
   void enter_contact() noexcept;
   /// Ends all contacts and moves the motion to the bank, without modes that are quieter than the
   /// loudest by `cull_db` or more. A body that has settled is at rest.
@@ -126,14 +130,14 @@ struct BodyModel {
   /// Contacts without those on the board.
   [[nodiscard]] std::size_t active_strikes() const noexcept;
 
-  /// The direct sound of forces (DirectKernels), and the kernels at the points of the external
-  /// force (first) and the pulses (sample_kernel), and of the solver's contacts (contact_kernel).
+  /// The direct sound of forces (DirectKernels). sample_kernel: kernels at the points of the
+  /// external force (first) and of the pulses. contact_kernel: kernels of the solver's contacts.
   std::array<DirectKernels, kMaxListeners> direct;
   std::vector<std::array<ForceKernel, kMaxListeners>> sample_kernel, contact_kernel;
   using RigidGain = std::array<double, ContactSolver::kRigid>;
-  /// Build the kernels of a force at a point of the surface against `direction`. `gain`: of the
-  /// modes, as gains() computes them; empty: computed here. They do not allocate; they may use
-  /// `scratch`.
+  /// Build the kernels of a force at a point of the surface against `direction`. `gain`: gains of
+  /// the modes, as gains() computes them; if it is empty, they are computed here. These functions
+  /// do not allocate; they may use `scratch`.
   void build_point_kernels(const SurfacePoint& point, const Vec3& direction) noexcept;
   /// `gain`: multiplied by `pulse_gain`.
   void build_pulse_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
@@ -144,7 +148,7 @@ struct BodyModel {
   /// Sets where the external force acts.
   void set_force_point(const ForcePoint& point) noexcept;
   std::vector<float> force_gain; ///< gains b of the modes at the force point
-  RigidGain force_rigid{};       ///< and of the rigid motions, for a body on a board
+  RigidGain force_rigid{};       ///< gains b of the rigid motions, for a body on a board
   /// x/sin(x), x = omega/(2 fs), for each mode: compensates the low-pass sin(x)/x of pulses, whose
   /// samples are means of the force over a sample.
   std::vector<double> pulse_gain;
@@ -154,7 +158,8 @@ struct BodyModel {
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
   std::vector<std::complex<double>> bank_state;    ///< [audible_modes]
   std::vector<double> a_weight;                    ///< A-weighting of the audible modes
-  std::vector<double> loudness; ///< of the audible modes: A-weighted, at the loudest listener
+  std::vector<double> loudness; ///< loudness of the audible modes: A-weighted, at the loudest
+                                ///< listener
   /// An output of the contact solver: a listener, and one of its three gliding weights.
   struct ListenerPart {
     std::size_t listener = 0;
@@ -170,10 +175,10 @@ struct BodyModel {
   /// A point at which the body and its board touch.
   struct RestingContact {
     SurfacePoint on_body, on_board;
-    Vec3 direction{};         ///< of length 1: of the force on the body
-    std::vector<double> gain; ///< on the body less on the board
+    Vec3 direction{};         ///< unit vector of the force on the body
+    std::vector<double> gain; ///< gains on the body minus gains on the board
     std::array<double, ContactSolver::kRigid> rigid{};
-    contact::ImpactLaw law; ///< with the residual compliance of both bodies
+    contact::ImpactLaw law; ///< law with the residual compliance of both bodies
     double preload_n = 0;
   };
   std::vector<RestingContact> resting_contacts;
@@ -182,8 +187,8 @@ struct BodyModel {
   /// The largest distance between the two surfaces at a contact point, m.
   double largest_gap_m = 0;
   [[nodiscard]] bool rests() const noexcept { return !resting_contacts.empty(); }
-  /// The solver's slots after those of the strikes: of a hand, of a rubbing surface, and the first
-  /// of resting_contacts.
+  /// The solver's slots after those of the strikes: the slot of a hand, of a rubbing surface, and
+  /// of the first of resting_contacts.
   [[nodiscard]] std::size_t hand_slot() const noexcept { return settings.voices; }
   [[nodiscard]] std::size_t rub_slot() const noexcept { return settings.voices + 1; }
   [[nodiscard]] std::size_t resting_slot() const noexcept { return settings.voices + kContacts; }
@@ -201,7 +206,7 @@ struct BodyModel {
   /// Whether any mode moves any corner of a point's triangle along a direction of length 1, by more
   /// than rounding.
   [[nodiscard]] bool moves_along(const SurfacePoint& point, const Vec3& direction) const noexcept;
-  /// The same for a free body's three translations and three rotations; of a body on a board, their
+  /// Gains b of a free body's three translations and three rotations; for a body on a board, their
   /// projection on the motions that its contact points resist.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
   rigid_gains(const SurfacePoint& point, const Vec3& direction) const noexcept;
@@ -261,7 +266,8 @@ private:
   void compute_weights();
 
   std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< [audible_modes]
-  std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body on a board
+  std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< basis of a body on a
+                                                                       ///< board
   double board_shape_scale_ = 1;
   std::uint64_t weights_version_ = 0; ///< ModeBank::glide_version() of the solver's weights
   [[nodiscard]] std::vector<DirectKernels::Mode> direct_modes() const;

@@ -7,7 +7,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kNegligibleEnergy = 1e-12; // of the total: -120 dB
+constexpr double kNegligibleEnergy = 1e-12; // share of the total: -120 dB
 
 } // namespace
 
@@ -48,7 +48,8 @@ std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
                     : 0.0;
 }
 
-/// Ratio of mode i's deflection by a force to that of the same mode, j, of the earlier model.
+/// Ratio of the deflection of mode i by a force to the deflection of the same mode in the earlier
+/// model, where its index is j.
 std::complex<double> BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
                                                  std::size_t j) const noexcept {
   const std::size_t part = loaded->is_board_mode(mode[i]) ? LoadedTable::kBoard : 0;
@@ -139,7 +140,7 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
 /// w_now' z_now + w_before' z_left = w_before' z_before. From then on each mode rings at its new
 /// rate, w_now glides to the new table's weights, and z_left fades out.
 bool BodyModel::continue_by_shares(BodyModel& before) noexcept {
-  // During a contact the bank may still ring from pulses; that fades out too.
+  // During a contact the bank may still ring from pulses; this vibration fades out too.
   const std::size_t old_count = in_solver ? before.mode.size() : before.audible_modes;
   const auto old_states = std::span(before.scratch_state).first(old_count);
   const bool bank_ringing = before.bank.release_left() > 0 || (in_solver && before.bank.ringing());
@@ -150,7 +151,7 @@ bool BodyModel::continue_by_shares(BodyModel& before) noexcept {
   const std::size_t count = in_solver ? mode.size() : audible_modes;
   const auto states = std::span(scratch_state).first(count);
   std::fill(states.begin(), states.end(), 0.0);
-  double total_energy = 0, lost_energy = 0; // times 2, J
+  double total_energy = 0, lost_energy = 0; // twice the energies, J
   for (const std::complex<double>& z : old_states)
     total_energy += std::norm(z);
   const auto for_shares = [&](auto&& work) {

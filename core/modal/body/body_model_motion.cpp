@@ -68,8 +68,8 @@ void BodyModel::begin_resting_contacts() noexcept {
 
 /// A settled body is set to rest and costs nothing until something moves it again.
 bool BodyModel::has_settled(double gain) const noexcept {
-  constexpr double kEnergyShare = 1e-12, kMinEnergy = 1e-18; // of energies; J
-  constexpr double kForceShare = 1e-6;                       // of the weight on all points
+  constexpr double kEnergyShare = 1e-12, kMinEnergy = 1e-18; // share of energies; J
+  constexpr double kForceShare = 1e-6;                       // share of the weight on all points
   constexpr double kReferenceGain = 0.01;                    // 1/Pa
   if (!rests() || active_strikes() > 0)
     return false;

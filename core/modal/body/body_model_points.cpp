@@ -36,7 +36,7 @@ void BodyModel::gains(const SurfacePoint& point, const Vec3& direction,
 }
 
 bool BodyModel::moves_along(const SurfacePoint& point, const Vec3& direction) const noexcept {
-  constexpr double kRounding = 1e-5; // of single precision, over the whole motion
+  constexpr double kRounding = 1e-5; // rounding of single precision, over the whole motion
   double along = 0, whole = 0;
   for (const std::int32_t vertex : loaded->table.triangle[point.triangle])
     for (std::size_t k = 0; k < loaded->table.modes(); ++k) {

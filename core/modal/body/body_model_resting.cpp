@@ -76,8 +76,8 @@ void BodyModel::find_resting_contacts() {
   resting_contacts = std::move(found);
 }
 
-/// A contact force acts on the body and, with the opposite sign, on the board: its kernels are
-/// those of both.
+/// A contact force acts on the body and, with the opposite sign, on the board, so its kernels are
+/// the sum of those of both.
 void BodyModel::make_resting_kernels() {
   std::vector<float> other;
   for (std::size_t i = 0; i < resting_contacts.size(); ++i) {

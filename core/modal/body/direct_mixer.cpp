@@ -160,8 +160,8 @@ void DirectMixer::drop_unused() noexcept {
       previous = {};
 }
 
-/// Continues the latest part from an earlier model: forces that persist are taken as constant for
-/// long (DirectSound::add_history). `solver` has the present contacts.
+/// Continues the latest part from an earlier model: forces that persist are assumed to have been
+/// constant for a long time (DirectSound::add_history). `solver` has the present contacts.
 void DirectMixer::carry_over(BodyModel& before, const ContactSolver& solver) noexcept {
   const BodyModel& latest = *part_model_[ModeBank::kLatest];
   const auto carry = [&](const auto& to, const auto& from, std::span<const double> force) {

@@ -20,7 +20,8 @@ public:
   /// Sets the kernels of a contact's forces.
   void build_contact_kernels(std::size_t slot, const SurfacePoint& point,
                              const Vec3& direction) noexcept;
-  /// Those of a pulse, whose gains, without culled modes, are in the present model's `scratch`.
+  /// Sets the kernels of a pulse, whose gains, without culled modes, are in the present model's
+  /// `scratch`.
   void build_pulse_kernels(std::size_t slot, const SurfacePoint& point,
                            const Vec3& direction) noexcept;
 
@@ -30,15 +31,15 @@ public:
   void add_force(std::size_t at, float force) noexcept;
   void add_pulse(std::size_t slot, std::size_t at, float force) noexcept;
   /// Ends the segment of samples `from` to `to` and adds its sound to `output`. `force`: the
-  /// external one. `glide`: as at the segment's beginning.
+  /// external force. `glide`: as at the segment's beginning.
   void finish(ChannelBlock& output, std::span<const float> force, std::size_t from, std::size_t to,
               const Glide& glide) noexcept;
 
-  /// Makes `model` the present one, of another body than `before` (null: there was none).
+  /// Makes `model` the present model. It is of another body than `before` (null: there was none).
   /// `gliding`: the weights of `before` were gliding. Sound in transit is kept.
   void exchange_body(BodyModel& model, const BodyModel* before, bool gliding) noexcept;
-  /// Makes `model` the present one, of the same body as `before`; `in_silence`: nothing sounds.
-  /// Earlier models are kept for as long as their kernels sound.
+  /// Makes `model` the present model. It is of the same body as `before`; `in_silence`: nothing
+  /// sounds. Earlier models are kept for as long as their kernels sound.
   void continue_body(BodyModel& model, const ModelHandover::Use& before, bool gliding,
                      bool in_silence) noexcept;
   /// The sound in transit.
@@ -60,7 +61,7 @@ private:
   DirectSound direct_;
   ForcePoint point_;
   bool point_kernels_valid_ = false; ///< the external force's kernels are those of the point
-  double last_force_ = 0;            ///< N, the external one
+  double last_force_ = 0;            ///< N, the external force
 };
 
 } // namespace tactus::modal

@@ -21,7 +21,7 @@ std::optional<Event> EventSchedule::take_due(std::int64_t clock, const BodyModel
       std::int64_t& moved = std::holds_alternative<ForcePoint>(event) ? point_moved_ : rub_moved_;
       const std::int64_t free_at = moved + kBudgetSamples;
       if (clock < free_at && clock >= moved) {
-        if (!has_by(event.index(), free_at)) // else a newer one replaces it
+        if (!has_by(event.index(), free_at)) // else a newer event replaces this one
           events_.push(free_at, event);
         continue;
       }

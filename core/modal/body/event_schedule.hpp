@@ -12,8 +12,8 @@ namespace tactus::modal {
 
 /// The events that wait for their sample, on the clock of StruckBody::process().
 ///
-/// On a large body they are spread, so that a block is computed in time: strikes by their work,
-/// new points by their number.
+/// On a large body the events are spread over time, so that a block is computed in time: strikes by
+/// their work, new points by their number.
 class EventSchedule {
 public:
   static constexpr std::size_t kMaxScheduled = 512;
@@ -22,12 +22,12 @@ public:
   /// listeners: on 20 000 modes one strike, on 10 000 modes two.
   static constexpr std::size_t kMaxStartingWork = 40000;
   static constexpr std::int64_t kBudgetSamples = 64;
-  /// A body of more modes takes at most one new force point and one new point of the rub, the
-  /// newest, within kBudgetSamples.
+  /// A body with more modes than this takes at most one new force point and one new point of the
+  /// rub, the newest, within kBudgetSamples.
   static constexpr std::size_t kMaxUnthrottledModes = 4096;
 
   [[nodiscard]] bool full() const noexcept { return events_.full(); }
-  /// Not if it is full.
+  /// Not to be called if the schedule is full.
   void push(const Event& event, std::int64_t sample) noexcept { events_.push(sample, event); }
   /// Removes the first event, which must exist.
   [[nodiscard]] Event pop() noexcept { return events_.pop(); }
@@ -51,7 +51,7 @@ private:
 
   TimedQueue<Event, kMaxScheduled> events_;
   std::int64_t budget_begin_ = 0;                                            ///< sample
-  std::size_t starting_work_ = 0;                                            ///< since then
+  std::size_t starting_work_ = 0;                                            ///< work since then
   std::int64_t point_moved_ = -kBudgetSamples, rub_moved_ = -kBudgetSamples; ///< samples
 };
 

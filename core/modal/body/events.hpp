@@ -11,14 +11,14 @@ namespace tactus::modal {
 struct Striker {
   double mass_kg = 0.00710, radius_m = 0.006, youngs_modulus_pa = 206e9, poisson = 0.29;
   double stiffness = 0, exponent = 1.5, loss_s_per_m = 0; ///< stiffness above 0 overrides Hertz
-  double restitution = 1; ///< on a rigid wall; below 1 it sets the loss
+  double restitution = 1; ///< restitution on a rigid wall; below 1 it sets the loss
 };
 
 struct Hit {
   SurfacePoint point;
-  Vec3 direction{0, 0, 1}; ///< of length 1; the striker moves against it
+  Vec3 direction{0, 0, 1}; ///< unit vector; the striker moves against it
   double speed_m_per_s = 1;
-  bool falls = false; ///< under gravity: the striker bounces until it lies still
+  bool falls = false; ///< the striker falls under gravity and bounces until it lies still
 };
 
 /// The events of a body, in the order of Event.
@@ -29,13 +29,14 @@ struct Strike {
 /// Where the external force and the hand act from now on.
 struct ForcePoint {
   SurfacePoint point;
-  Vec3 direction{0, 0, 1}; ///< of length 1; the force acts against it
+  Vec3 direction{0, 0, 1}; ///< unit vector; the force acts against it
 };
 /// The friction law and the point of the surface that rubs the body, such as a bow.
 struct Rub {
   bool placed = false; ///< false: it rubs at the force point
   SurfacePoint point;
-  Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: that of positive velocity
+  Vec3 direction{0, 0, 1}; ///< unit vector along the body's surface, in the direction of positive
+                           ///< velocity
   contact::FrictionLaw law;
 };
 /// All contacts end, and the sound fades out.

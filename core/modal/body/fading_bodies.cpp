@@ -13,7 +13,7 @@ void FadingBodies::prepare(double sample_rate) {
   }
 }
 
-/// A free entry, or that of the body nearest to its end.
+/// A free entry, or the entry of the body that is closest to its end.
 FadingBodies::FadingBody& FadingBodies::free_entry() noexcept {
   FadingBody* entry = &bodies_[0];
   for (FadingBody& other : bodies_)

@@ -12,7 +12,7 @@ namespace tactus::modal {
 /// Earlier bodies, kept until the last of their sound has reached the listeners.
 class FadingBodies {
 public:
-  /// Allocates, and drops all of them.
+  /// Allocates, and drops all earlier bodies.
   void prepare(double sample_rate);
   /// Lets modes without a successor, which fade out in the old model's bank, sound through the
   /// delay lines of the present body.
@@ -39,7 +39,7 @@ private:
   static void count_down(FadingBody& body, std::size_t frames) noexcept;
 
   std::array<FadingBody, 3> bodies_;
-  ChannelBlock sound_{}; ///< of one body
+  ChannelBlock sound_{}; ///< sound of one body
 };
 
 } // namespace tactus::modal

@@ -30,7 +30,7 @@ public:
 private:
   JoinedSteps steps_{};
   double last_height_m_ = 0;
-  double scale_ = 1; ///< of the depth, while the body changes under the hand
+  double scale_ = 1; ///< scale of the depth, while the body changes under the hand
 };
 
 } // namespace tactus::modal

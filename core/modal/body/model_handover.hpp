@@ -8,8 +8,9 @@
 
 namespace tactus::modal {
 
-/// Hands models from the thread that builds them to the audio thread, and those that it no longer
-/// uses back for deletion. Lock-free; the audio thread allocates and frees nothing.
+/// Hands models from the thread that builds them to the audio thread, and hands back, for deletion,
+/// the models that the audio thread no longer uses. Lock-free; the audio thread allocates and frees
+/// nothing.
 class ModelHandover {
   struct Entry;
 
@@ -36,7 +37,7 @@ public:
     BodyModel& operator*() const noexcept { return *entry_->model; }
     BodyModel* operator->() const noexcept { return entry_->model.get(); }
     explicit operator bool() const noexcept { return entry_ != nullptr; }
-    /// As it was published.
+    /// True if the model was published as the same body.
     [[nodiscard]] bool same_body() const noexcept { return entry_->same_body; }
 
   private:
@@ -46,7 +47,7 @@ public:
   ModelHandover() = default;
   ModelHandover(const ModelHandover&) = delete;
   ModelHandover& operator=(const ModelHandover&) = delete;
-  /// Every Use must be gone.
+  /// Every Use must have been destroyed before.
   ~ModelHandover() {
     delete incoming_.load();
     delete_retired();
@@ -69,7 +70,7 @@ private:
     bool same_body = false;
     ModelHandover* home = nullptr;
     int uses = 0;
-    Entry* next = nullptr; ///< in the list of retired ones
+    Entry* next = nullptr; ///< next in the list of retired entries
   };
   void delete_retired() noexcept {
     Entry* entry = retired_.exchange(nullptr, std::memory_order_acq_rel);

@@ -8,7 +8,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kGainSpeed = 0.005; // of the remaining change, per sample
+constexpr double kGainSpeed = 0.005; // share of the remaining change, per sample
 
 } // namespace
 

@@ -27,7 +27,8 @@ public:
   void set_delays(const BodyModel& body, bool doppler, bool jump) noexcept;
   [[nodiscard]] DelayLines& delay_lines() noexcept { return delay_; }
 
-  /// Full scales for 1 Pa. It is smoothed while something sounds; in silence it is applied at once.
+  /// Gain in full scales for 1 Pa. It is smoothed while something sounds; in silence it is applied
+  /// at once.
   void set_gain(double gain) noexcept;
   /// Delays the sound of each listener.
   void delay(ChannelBlock& sound, std::size_t listeners, std::size_t frames) noexcept;

@@ -5,8 +5,9 @@
 
 namespace tactus::modal {
 
-/// Moves points of a body's surface to the surface of the model that takes over: of the same body
-/// in another shape to the same material points, of another body to the same positions in metres.
+/// Moves points of a body's surface to the surface of the model that takes over. In another shape
+/// of the same body they move to the same material points, on another body to the same positions in
+/// metres.
 class PointMap {
 public:
   PointMap(const BodyModel& before, const BodyModel& now, bool same_body) noexcept

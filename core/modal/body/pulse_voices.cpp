@@ -22,7 +22,7 @@ bool PulseVoices::strike(std::size_t slot, const Strike& strike, double max_mass
     return false;
   voices_[slot] = {hit, pulse, 0, true};
   double loudest = 0;
-  std::array<double, kPulseBands> envelope{}; // at each band's lowest frequency
+  std::array<double, kPulseBands> envelope{}; // envelope at each band's lowest frequency
   for (std::size_t i = 0; i < kPulseBands; ++i)
     envelope[i] = Pulse::envelope(pulse_band_begin(i) * pulse.duration_s);
   std::vector<double>& level = body.scratch_level;

@@ -11,7 +11,7 @@
 namespace tactus::modal {
 
 /// Strikes that are half-sine pulses (Pulse), in the strikes' slots. They excite the bank through
-/// the drives after the external force's.
+/// the drives after that of the external force.
 class PulseVoices {
 public:
   /// False if the striker is too heavy for a single pulse (Pulse::mass_ratio). Modes quieter than
@@ -25,7 +25,7 @@ public:
 
   /// Computes the samples of a chunk, and adds them to `contact`.
   void begin_chunk(const BodyModel& body, std::span<float> contact) noexcept;
-  /// Those samples, N; null: there is no pulse.
+  /// The samples that begin_chunk() computed, N; null if there is no pulse.
   [[nodiscard]] const float* force(std::size_t slot) const noexcept {
     return voices_[slot].active ? force_[slot].data() : nullptr;
   }

@@ -10,11 +10,11 @@ namespace tactus::modal {
 /// A surface that rubs the body, its normal force and velocity given sample by sample.
 class RubbingSurface {
 public:
-  /// Sets the law and the point. `body` null: there is none.
+  /// Sets the law and the point. `body` is null if there is no body.
   void set(const Rub& rub, const ForcePoint& force_point, BodyModel* body,
            DirectMixer& direct) noexcept;
   [[nodiscard]] const Rub& rub() const noexcept { return rub_; }
-  /// Of the roughness.
+  /// Seeds the noise of the roughness.
   void set_seed(std::uint64_t seed) noexcept { seed_ = seed; }
   void begin(const ForcePoint& force_point, BodyModel& body, DirectMixer& direct) noexcept;
   /// Applies the normal force and the velocity of a sample of the solver.
@@ -27,8 +27,8 @@ public:
 private:
   void set_contact(const ForcePoint& force_point, BodyModel& body, DirectMixer& direct) noexcept;
 
-  Rub rub_;     ///< as it was set
-  Rub contact_; ///< on the body's surface
+  Rub rub_;     ///< the rub as it was set
+  Rub contact_; ///< the rub on the body's surface
   std::uint64_t seed_ = 1;
 };
 

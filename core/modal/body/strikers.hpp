@@ -14,10 +14,10 @@ namespace tactus::modal {
 /// or as a recording. If no slot is free, a new strike takes the slot of the oldest.
 class Strikers {
 public:
-  /// The most modes times coupled contacts. A strike beyond it is a pulse, unless it is the only
-  /// one, so that any number of strikes on a large body is computed in time.
+  /// Maximum of modes times coupled contacts. A strike beyond it is a pulse, unless it is the only
+  /// strike, so that any number of strikes on a large body is computed in time.
   static constexpr std::size_t kMaxCoupledWork = 8192;
-  /// The most coupled contacts at once; a strike beyond them is a pulse.
+  /// Maximum number of coupled contacts at once; a strike beyond it is a pulse.
   static constexpr std::size_t kMaxCoupled = 16;
 
   /// `coupled` false: the strike is a pulse, if striker and body allow it. `cull_db`: for pulses.
@@ -27,7 +27,7 @@ public:
   [[nodiscard]] const PulseVoices& pulses() const noexcept { return pulses_; }
   [[nodiscard]] RecordingVoices& recordings() noexcept { return recordings_; }
 
-  /// Advances the clock by so many samples.
+  /// Advances the clock by this number of samples.
   void advance(std::size_t samples) noexcept { now_ += samples; }
   /// Samples until the next striker lands; kNever: none is in the air.
   [[nodiscard]] std::uint64_t landing_in() const noexcept {
@@ -40,7 +40,7 @@ public:
   void lift_off(const BodyModel& body) noexcept;
   [[nodiscard]] std::size_t flights() const noexcept;
 
-  /// All contacts have ended; strikers in the air land all the same.
+  /// All contacts have ended; strikers in the air still land.
   void end_contacts() noexcept;
   /// Drops the strikers in contact and in the air.
   void drop_contacts() noexcept;
@@ -67,8 +67,8 @@ private:
   std::array<CoupledImpact, kMaxContacts> impacts_{};
   PulseVoices pulses_;
   RecordingVoices recordings_;
-  std::array<std::uint64_t, kMaxContacts> order_{}; ///< of the strikes in the slots
-  std::uint64_t count_ = 0;                         ///< of strikes
+  std::array<std::uint64_t, kMaxContacts> order_{}; ///< order of the strikes in the slots
+  std::uint64_t count_ = 0;                         ///< number of strikes
   std::uint64_t now_ = 0, next_landing_ = kNever;   ///< samples
 };
 

@@ -24,9 +24,9 @@ namespace tactus::modal {
 ///
 /// While something touches the body, ContactSolver computes contacts and modes together, sample by
 /// sample. Otherwise the modes ring in ModeBank, which is much cheaper. A body on a board touches
-/// it for as long as anything moves, so that it rings in the solver; strikes that exceed the budget
-/// (Strikers::kMaxCoupledWork) are pulses that excite the bank in addition. Sound passes through
-/// DirectSound and a DelayLine for each listener.
+/// the board for as long as anything moves, so that it rings in the solver; strikes that exceed the
+/// budget (Strikers::kMaxCoupledWork) are pulses that excite the bank in addition. Sound passes
+/// through DirectSound and a DelayLine for each listener.
 ///
 /// process() runs its parts in this order. EventSchedule passes due events to Strikers, Hand and
 /// RubbingSurface, which begin contacts in the solver. Solver or bank, with DirectMixer, compute
@@ -45,19 +45,20 @@ public:
   void publish(std::unique_ptr<BodyModel> model, bool same_body) {
     handover_.publish(std::move(model), same_body);
   }
-  /// Takes a published model now. Not while process() runs.
+  /// Takes a published model now. Not to be called while process() runs.
   void adopt() noexcept;
   /// The present model; null before the first.
   [[nodiscard]] const BodyModel* model() const noexcept { return model_.get(); }
 
-  /// Sets the striker of hit(), which is also the driven one.
+  /// Sets the striker of hit(), which is also the driven striker.
   void set_striker(const Striker& striker) noexcept { striker_ = striker; }
   [[nodiscard]] const Striker& striker() const noexcept { return striker_; }
   /// Strikes the body now. False if there is no body or the speed is not above 0.
   bool hit(const Hit& hit) noexcept;
   void apply(const Event& event) noexcept;
-  /// The same at a sample on the clock of process(), or at once if that is past. At most
-  /// EventSchedule::kMaxScheduled events wait; one more applies the first of them now.
+  /// Applies an event at a sample on the clock of process(), or at once if that sample is past. At
+  /// most EventSchedule::kMaxScheduled events wait; if there is one more, the first of them is
+  /// applied now.
   void schedule(const Event& event, std::int64_t sample) noexcept;
   void schedule(const Hit& hit, std::int64_t sample) noexcept {
     schedule(Strike{hit, striker_}, sample);
@@ -65,7 +66,8 @@ public:
   /// The force point and the rub after all scheduled events.
   [[nodiscard]] SurfacePoint point() const noexcept;
   [[nodiscard]] Rub rub() const noexcept;
-  /// Sets the sample at which the next process() begins; without it, where the last one ended.
+  /// Sets the sample at which the next process() begins; without this call it begins where the last
+  /// one ended.
   void begin_block(std::int64_t sample) noexcept { clock_ = sample; }
   [[nodiscard]] std::int64_t clock() const noexcept { return clock_; }
 
@@ -81,7 +83,7 @@ public:
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
     bool soft_limit = false;   ///< the sound goes through soft_clip() after the gain
     double cull_db = 90;
-    std::uint64_t seed = 1; ///< of a rub's roughness noise
+    std::uint64_t seed = 1; ///< seed of a rub's roughness noise
   };
   /// A new gain is smoothed while something sounds; in silence it is applied at once.
   void set_options(const Options& options) noexcept;
@@ -100,9 +102,9 @@ public:
     std::span<S> friction;
   };
   /// Computes a block of force_out.size() samples. `force`: N, at the force point. `height`: of the
-  /// driven striker above it, m; held readings are joined (JoinedSteps). `out`: up to kMaxListeners
-  /// spans, overwritten. `force_out`: the force of strikers and hands, N. Input and output may
-  /// share memory. Any input is safe: NaN counts as 0, forces are limited to 1e6 N.
+  /// driven striker above the force point, m; held readings are joined (JoinedSteps). `out`: up to
+  /// kMaxListeners spans, overwritten. `force_out`: the force of strikers and hands, N. Input and
+  /// output may share memory. Any input is safe: NaN counts as 0, forces are limited to 1e6 N.
   template <class S>
   void process(std::span<const S> force, std::span<const S> height,
                std::span<const std::span<S>> out, std::span<S> force_out,
@@ -136,9 +138,10 @@ private:
   // struck_body_adopt.cpp
   /// The effects of an exchange of models by adopt().
   struct Transition {
-    bool same_body = false;  ///< its motion continues
-    bool resolved = false;   ///< ... in a table whose modes were solved again (ModeShare)
-    bool in_contact = false; ///< ... and its contacts continue
+    bool same_body = false;  ///< the motion of the body continues
+    bool resolved = false;   ///< the motion continues in a table whose modes were solved again
+                             ///< (ModeShare)
+    bool in_contact = false; ///< the contacts of the body continue
     bool in_silence = false; ///< nothing sounds: all changes take effect at once
     bool gliding = false;    ///< the old model's weights were gliding
   };

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-/// StruckBody: exchange of the present model for a new one.
+/// StruckBody: exchange of the present model for a new model.
 namespace tactus::modal {
 
 void StruckBody::adopt() noexcept {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-/// StruckBody: a block, divided at events, at contacts and where the glide exchanges its weights.
+/// StruckBody: computes a block in pieces, divided at events, at contacts and where the glide
+/// exchanges its weights.
 namespace tactus::modal {
 namespace {
 
@@ -11,7 +12,7 @@ constexpr double kMaxForce = 1e6;         // N, of the external force
 constexpr double kMaxHeight = 10;         // m
 constexpr double kMaxSpeed = 1e3;         // m/s, of the rubbing surface
 constexpr double kDivergedForce = 1e12;   // N, beyond which the motion is reset
-constexpr double kAudibilityFloor = 1e-8; // of full scale: quieter modes are set to zero
+constexpr double kAudibilityFloor = 1e-8; // share of full scale: quieter modes are set to zero
 
 /// Clamps to +-limit; NaN becomes 0.
 template <class S> void limit_inputs(std::span<const S> from, double limit, float* to) noexcept {
@@ -76,7 +77,7 @@ template void StruckBody::process<double>(std::span<const double>, std::span<con
                                           std::span<const std::span<double>>, std::span<double>,
                                           const Rubbing<double>&) noexcept;
 
-/// A chunk: the body's sound, then the listeners'.
+/// Computes a chunk: the sound of the body, then the sound at the listeners.
 void StruckBody::run(std::size_t frames) noexcept {
   chunk_.contact.fill(0);
   chunk_.friction.fill(0);
@@ -106,7 +107,7 @@ void StruckBody::run(std::size_t frames) noexcept {
   output_.delay(chunk_.output, listeners, frames);
   fading_.add_after_delay(chunk_.output, listeners, frames);
   output_.amplify(chunk_.output, listeners, frames, options_.soft_limit);
-  if (listeners == 1) // both channels
+  if (listeners == 1) // both channels get its sound
     chunk_.output[1] = chunk_.output[0];
 }
 
@@ -134,7 +135,7 @@ std::size_t StruckBody::run_coupled(std::size_t from, std::size_t frames) noexce
   return n;
 }
 
-/// A sample of the solver, in a segment that begins at `from`.
+/// Advances the solver by a sample, in a segment that begins at `from`.
 void StruckBody::step_contacts(std::size_t from, std::size_t sample) noexcept {
   BodyModel& m = *model_;
   const std::size_t before = m.solver.active();
@@ -161,7 +162,7 @@ void StruckBody::step_contacts(std::size_t from, std::size_t sample) noexcept {
   mix_coupled_output(from, sample);
 }
 
-/// The solver's outputs at a sample, blended as the weights glide.
+/// Mixes the solver's outputs at a sample, blended as the weights glide.
 void StruckBody::mix_coupled_output(std::size_t from, std::size_t sample) noexcept {
   BodyModel& m = *model_;
   for (std::size_t l = 0; l < m.settings.listeners; ++l)
@@ -232,7 +233,7 @@ std::size_t StruckBody::run_uncoupled(std::size_t from, std::size_t frames) noex
     to = from + static_cast<std::size_t>(strikers_.landing_in());
   if (to > from) {
     for (std::size_t n = from; n < to; ++n)
-      add_direct_samples(n - from, n); // while the glide is as it was
+      add_direct_samples(n - from, n); // before the glide changes
     run_bank(from, to, chunk_.force.data() + from, chunk_.output, from);
     strikers_.advance(to - from);
     hand_.pass(static_cast<double>(chunk_.height[to - 1]));
@@ -248,7 +249,7 @@ std::size_t StruckBody::run_uncoupled(std::size_t from, std::size_t frames) noex
   return to;
 }
 
-/// The direct sound of the external force and the pulses at a sample of the chunk.
+/// Adds the direct sound of the external force and the pulses at a sample of the chunk.
 void StruckBody::add_direct_samples(std::size_t at, std::size_t sample) noexcept {
   direct_.add_force(at, chunk_.force[sample]);
   for (std::size_t i = 0; i < model_->settings.voices; ++i)

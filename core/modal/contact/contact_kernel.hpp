@@ -9,7 +9,7 @@
 /// has its own copy, in double and in single precision.
 namespace tactus::modal {
 
-inline constexpr std::size_t kContactLanes = 16; ///< the length of arrays is a multiple of it
+inline constexpr std::size_t kContactLanes = 16; ///< the length of arrays is a multiple of this
 
 /// One number for each mode, padded with zeros to a multiple of kContactLanes, aligned for vectors.
 template <class T> class LaneArray {
@@ -54,14 +54,14 @@ template <class T> struct ContactPass {
   const ConstSplitView<T>* pickup = nullptr;
   std::size_t pending = 1;        ///< forces that the state does not contain yet, 1 or 2
   double force[kMaxPending] = {}; ///< N
-  std::size_t steps = 1;          ///< to look ahead, 1 or 2
+  std::size_t steps = 1;          ///< number of steps to look ahead, 1 or 2
   double displacement[kMaxPending] =
       {};                           ///< sum of gain Im(z) after each step, without new forces; m
   std::size_t pickups = 0;          ///< outputs to compute after the last step
-  double outputs[kMaxPickups] = {}; ///< sum of Im(w z) there
+  double outputs[kMaxPickups] = {}; ///< sum of Im(w z) after the last step
 };
 
-/// Sums are taken in the same order whatever the arguments.
+/// All sums run in the same order, whatever the arguments.
 template <class T> class ContactKernel {
 public:
   virtual ~ContactKernel() = default;
@@ -89,7 +89,7 @@ struct ContactKernels {
       return double_precision;
   }
 };
-/// The implementations for the widest set up to this one that the processor runs.
+/// The implementations for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] ContactKernels contact_kernels(VectorSet widest) noexcept;
 [[nodiscard]] ContactKernels contact_kernels(simd::Baseline) noexcept;
 [[nodiscard]] ContactKernels contact_kernels(simd::Avx2) noexcept;

@@ -46,7 +46,7 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     }
   };
 
-  /// The number of pick-ups, a constant where there are few, so that their sums stay in registers.
+  /// The number of pick-ups, a constant if there are few, so that their sums stay in registers.
   [[gnu::always_inline]] static constexpr std::size_t pickup_bound(std::size_t compiled,
                                                                    std::size_t pickups) noexcept {
     return compiled < ContactPass<T>::kMaxPickups ? compiled : pickups;

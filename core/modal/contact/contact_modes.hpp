@@ -13,16 +13,17 @@ namespace tactus::modal {
 ///
 /// A force F that is constant within a step moves a mode exactly: z goes to p z + b F (p - 1)/s,
 /// with p = exp(s h) and z as in ModeBank. The force of a step is added in the pass that computes
-/// the next step, so that a step reads and writes every mode once; a pass can compute two steps,
-/// which halves the memory traffic of large bodies. Up to kMaxModesInDouble modes are in double
-/// precision, more in single precision, where energy is conserved to float rounding.
+/// the next step, so that a step reads and writes every mode once. A pass can compute two steps,
+/// which halves the memory traffic of large bodies. Up to kMaxModesInDouble modes are computed in
+/// double precision, a larger number in single precision, where energy is conserved to float
+/// rounding.
 class ContactModes {
 public:
   static constexpr std::size_t kMaxStepsAhead = 2; ///< steps in a pass
   static constexpr std::size_t kMaxModesInDouble = 512;
 
-  /// Allocates. `rate`: s of the modes in 1/s. `max_steps`: the most steps in a sample, a power
-  /// of 2. `contacts`, `listeners`: the number of slots.
+  /// Allocates. `rate`: s of the modes in 1/s. `max_steps`: the largest number of steps in a
+  /// sample, a power of 2. `contacts`, `listeners`: the number of slots.
   [[nodiscard]] static std::unique_ptr<ContactModes>
   make(std::span<const std::complex<double>> rate, double sample_rate, unsigned max_steps,
        std::size_t contacts, std::size_t listeners, VectorSet widest = simd::kWidest);
@@ -30,7 +31,7 @@ public:
 
   /// Sets the number of steps in a sample, a power of 2 up to `max_steps`.
   virtual void set_steps(unsigned steps) noexcept = 0;
-  /// Sets the gains b at a contact point, 1/sqrt(kg); missing ones are zero. Returns the sum of
+  /// Sets the gains b at a contact point, 1/sqrt(kg); missing gains are zero. Returns the sum of
   /// their squares, in 1/kg: the velocity of the point per impulse.
   virtual double set_gain(std::size_t slot, std::span<const double> gain) noexcept = 0;
   [[nodiscard]] virtual double gain(std::size_t slot, std::size_t mode) const noexcept = 0;
@@ -46,7 +47,8 @@ public:
   /// outputs are computed.
   [[nodiscard]] virtual const double* predict_displacement(std::size_t slot, std::size_t steps,
                                                            bool ends_sample) noexcept = 0;
-  /// The contact's forces in these steps, N, one for each; they enter the state in the next pass.
+  /// Sets the contact's forces in these steps, N, one for each step; the forces enter the state in
+  /// the next pass.
   virtual void apply_forces(const double* force) noexcept = 0;
   /// The force of the last step at another contact, N.
   virtual void apply_force_at(std::size_t slot, double force) noexcept = 0;
@@ -66,13 +68,13 @@ public:
   virtual void set_listening(std::size_t listeners) noexcept = 0;
   /// The sum over the modes of Im(w z).
   [[nodiscard]] virtual double output(std::size_t listener) noexcept = 0;
-  /// The same with weights that are not set; slower.
+  /// The sum over the modes of Im(w z) with weights that are not set; slower.
   [[nodiscard]] virtual double output(std::span<const std::complex<double>> weight) noexcept = 0;
   /// An impulse in N s on all modes at once, by float gains b.
   virtual void apply_impulse(std::span<const float> gain, double impulse) noexcept = 0;
   [[nodiscard]] virtual std::complex<double> state(std::size_t mode) const noexcept = 0;
   virtual void set_state(std::size_t mode, std::complex<double> z) noexcept = 0;
-  /// All states, or the first ones. Writing sets the others to zero.
+  /// Read or write all states, or the first ones. Writing sets the other states to zero.
   virtual void read_states(std::span<std::complex<double>> z) noexcept = 0;
   virtual void write_states(std::span<const std::complex<double>> z) noexcept = 0;
   virtual void silence() noexcept = 0;

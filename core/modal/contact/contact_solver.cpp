@@ -12,17 +12,20 @@ using contact::ContactTerm;
 using contact::Exciter;
 
 constexpr double kStepAngle =
-    0.15; // rad of the contact's oscillation in a step: 27 steps in a ball's contact
-constexpr double kStepRate = 176400; // 1/s, the least in a strike: the force is exact up to 20 kHz
-constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts long and needs fewer
+    0.15; // rad of the contact's oscillation in a step, which gives 27 steps in a ball's contact
+constexpr double kStepRate = 176400; // 1/s, lowest rate of steps in a strike, for a force that is
+                                     // exact up to 20 kHz
+constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts long and needs fewer steps
 constexpr double kMaxFlight = 0.05;  // s after which a separated striker is given up
 constexpr unsigned kMinSteps = 2;
-constexpr std::uint64_t kMaxSlots = 256; // whose noises differ
+constexpr std::uint64_t kMaxSlots = 256; // slots whose noises differ
 constexpr std::size_t kMaxContactSteps =
     1024;                                  // contacts times steps in a sample, for several contacts
-constexpr double kPeakToRms = 8;           // the largest peak of many modes' sum over its rms
+constexpr double kPeakToRms = 8;           // largest peak of the sum of many modes, relative to its
+                                           // rms
 constexpr unsigned kBoundsPeriod = 64;     // samples
-constexpr double kMaxContactDurations = 8; // after which a striker under gravity has settled
+constexpr double kMaxContactDurations = 8; // durations after which a striker under gravity has
+                                           // settled
 
 } // namespace
 
@@ -43,8 +46,8 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
 }
 
 bool ContactSolver::choose_steps(double required) noexcept {
-  // Reduces the steps only if a quarter suffices or the work is too much: a change costs several
-  // steps.
+  // Reduces the number of steps only if a quarter of it suffices or the work is too much, because a
+  // change costs as much as several steps.
   const bool too_many =
       active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kMinSteps;
   if (required <= steps_ && 4 * required > steps_ && !too_many)
@@ -162,7 +165,7 @@ void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std
   Exciter& e = (contacts_[slot] = before.contacts_[old_slot]).exciter;
   set_contact_gains(slot, gain, rigid_gain);
   slots_[slot].max_contact_s = before.slots_[old_slot].max_contact_s;
-  // The new shapes displace the surface: the striker moves with it.
+  // The new shapes displace the surface, so the striker moves with it.
   e.position_m = e.depth_m + slots_[slot].surface_m;
   activate(slot);
 }
@@ -260,8 +263,8 @@ void ContactSolver::enter_step(std::size_t position, double modal_displacement_m
       system_.coupling(position, position), h);
 }
 
-/// Ends the step: the effect of its force on everything but the modes. `after`: steps of the sample
-/// before this one.
+/// Ends the step: applies its force to everything but the modes. `after`: number of steps of the
+/// sample before this step.
 void ContactSolver::leave_step(std::size_t position, double h, unsigned after) noexcept {
   const ContactTerm& t = system_[position];
   Contact& c = contacts_[touching_[position]];
@@ -284,7 +287,8 @@ void ContactSolver::leave_step(std::size_t position, double h, unsigned after) n
     }
 }
 
-/// One or two steps (`ahead`) of a single contact. `after`: steps of the sample before.
+/// Makes one or two steps (`ahead`) of a single contact. `after`: number of steps of the sample
+/// before these.
 void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
   const double* const displacement =
@@ -301,7 +305,7 @@ void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept
   contact_modes_->apply_forces(force.data());
 }
 
-/// One step of all contacts. `after`: steps of the sample before.
+/// Makes one step of all contacts. `after`: number of steps of the sample before this step.
 void ContactSolver::step_contacts(unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
   move_rigidly(h);
@@ -425,7 +429,7 @@ void ContactSolver::end_finished_contacts() noexcept {
       end(i);
     }
   }
-  // A body that is only rubbed is supported: this stops the recoil of earlier strikes.
+  // A body that is only rubbed is supported, which stops the recoil of earlier strikes.
   const auto strikes = [this](std::size_t slot) {
     return contacts_[slot].exciter.kind == Exciter::Kind::kImpact;
   };

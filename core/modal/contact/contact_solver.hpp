@@ -27,8 +27,8 @@ namespace tactus::modal {
 class ContactSolver {
 public:
   static constexpr std::size_t kRigid = 6;
-  /// A power of 2. Bodies of more than 16 modes have fewer (kMaxWork): 256 for 64 modes, 4 for
-  /// 4096. Fewer steps are less exact and still passive.
+  /// A power of 2. Bodies with more than 16 modes have fewer steps (kMaxWork): 256 for 64 modes, 4
+  /// for 4096. Fewer steps are less exact and still passive.
   static constexpr unsigned kMaxStepsPerSample = 1024;
   /// Modes times steps in a sample: bounds the computing time.
   static constexpr std::size_t kMaxWork = 16384;
@@ -43,15 +43,15 @@ public:
   struct Strike {
     contact::ImpactLaw law{1e9, 1.5, 0};
     double mass_kg = 0.01;
-    double position_m = 0;       ///< inwards; from the present surface, of a held striker from the
-                                 ///< surface at rest
+    double position_m = 0;       ///< inwards, from the present surface; for a held striker, from
+                                 ///< the surface at rest
     double velocity_m_per_s = 0; ///< inwards
     double fall_m_per_s2 = 0;    ///< gravity towards the body
     bool held = false;           ///< its motion is given
   };
   /// A point at which two bodies, whose modes are in one list, rest on each other. The gap opens by
-  /// the sum of b q, b the gains on the one body less those on the other. A constant load (weight,
-  /// a string, a screw) presses the bodies together.
+  /// the sum of b q, where b are the gains on one body minus the gains on the other. A constant
+  /// load (weight, a string, a screw) presses the bodies together.
   ///
   /// Motions are measured from the static equilibrium, in which the contact force is the preload
   /// F0. The net force on the bodies is F(x) - F0, where x = x0 - sum of b q and F(x0) = F0. This
@@ -65,7 +65,7 @@ public:
   struct Contact {
     contact::Exciter exciter;
     double fall_m_per_s2 = 0;
-    double preload_n = 0; ///< of a resting contact
+    double preload_n = 0; ///< preload of a resting contact
     double age_s = 0;
     bool resting = false; ///< between two bodies
     bool active = false;
@@ -75,16 +75,16 @@ public:
   /// contact's direction, 1/sqrt(kg).
   void begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
              const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Begins friction along the direction of the gains; it lasts until end(). `seed`: of its
-  /// roughness.
+  /// Begins friction along the direction of the gains; it lasts until end(). `seed`: for the noise
+  /// of its roughness.
   void begin_rub(std::size_t slot, const contact::FrictionLaw& law, std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain, std::uint64_t seed = 1) noexcept;
-  /// Begins a contact between two bodies; it lasts until end(). Its force is that of the bodies'
-  /// present positions. Rigid motions continue.
+  /// Begins a contact between two bodies; it lasts until end(). Its force follows from the present
+  /// positions of the bodies. Rigid motions continue.
   void begin_resting_contact(std::size_t slot, const RestingContact& rest,
                              std::span<const double> gain,
                              const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Force of a resting contact less its preload, N: the mean over the last sample.
+  /// Force of a resting contact minus its preload, N: the mean over the last sample.
   [[nodiscard]] double net_contact_force(std::size_t slot) const noexcept {
     return slots_[slot].moments[0];
   }
@@ -93,7 +93,7 @@ public:
   void end(std::size_t slot) noexcept;
   /// Target of a held striker for the end of the next sample; its speed is limited.
   void set_held_position(std::size_t slot, double position_m, double fastest_m_per_s = 50) noexcept;
-  /// Normal force and velocity of a rubbing surface, until changed.
+  /// Normal force and velocity of a rubbing surface, which stay until they are changed.
   void rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept;
   void set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept;
   /// Moves a rubbing surface to another point; its bristle deflection is kept.
@@ -124,7 +124,7 @@ public:
   }
   /// An impulse on the modes at once, N s, e.g. of one sample of an external force.
   void apply_impulse(std::span<const float> gain, double impulse) noexcept;
-  /// The same on the rigid motions.
+  /// An impulse on the rigid motions at once, N s.
   void apply_rigid_impulse(const std::array<double, kRigid>& gain, double impulse) noexcept {
     for (std::size_t r = 0; r < kRigid; ++r)
       rigid_velocity_[r] += gain[r] * impulse;
@@ -133,7 +133,7 @@ public:
   [[nodiscard]] double output(std::span<const std::complex<double>> weight) noexcept {
     return contact_modes_->output(weight);
   }
-  /// The same with weights that are set beforehand; faster.
+  /// The sum over the modes of Im(w z) with weights that are set beforehand; faster.
   void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
     contact_modes_->set_weight(listener, weight);
   }
@@ -141,12 +141,13 @@ public:
   [[nodiscard]] double output(std::size_t listener) noexcept {
     return contact_modes_->output(listener);
   }
-  /// Continues a contact of another solver, whose body had other rates and shapes, with the same
-  /// compression and striker. Both solvers' modal states must be set; gains as in begin().
+  /// Continues a contact of another solver, whose body had different rates and shapes, with the
+  /// same compression and striker. Both solvers' modal states must be set; gains as in begin().
   void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
                  std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Continues the rigid motions of another solver, whose body had other mass and lengths.
+  /// Continues the rigid motions of another solver, whose body had a different mass and different
+  /// lengths.
   void take_over_rigid(const ContactSolver& before, double mass_ratio,
                        double length_ratio) noexcept;
   /// The orthogonal projection of a rigid motion onto the span of an orthonormal basis.
@@ -162,7 +163,7 @@ public:
   void set_state(std::size_t mode, std::complex<double> z) noexcept {
     contact_modes_->set_state(mode, z);
   }
-  /// All states, or the first ones.
+  /// Reads all states, or the first ones.
   void read_states(std::span<std::complex<double>> z) noexcept { contact_modes_->read_states(z); }
   /// Writes all states, or the first ones; the others become zero.
   void write_states(std::span<const std::complex<double>> z) noexcept {
@@ -180,7 +181,7 @@ public:
       sum += 0.5 * speed * speed;
     return sum;
   }
-  /// Energy of modes, rigid motions, strikers and contacts, J; of a preload its work since the
+  /// Energy of modes, rigid motions, strikers and contacts, J; for a preload, its work since the
   /// equilibrium.
   [[nodiscard]] double energy() const noexcept;
 
@@ -188,14 +189,14 @@ private:
   using Rigid = std::array<double, kRigid>;
   struct Slot {
     Rigid rigid{};
-    double required_steps = 1; ///< in a sample, for the contact's present energy
+    double required_steps = 1; ///< steps in a sample, for the contact's present energy
     double max_contact_s = 0;  ///< a falling striker's contact that lasts longer has settled
     bool out_of_reach = false; ///< the surface cannot meet the striker within the next sample
-    ContactModes::MotionBounds bounds; ///< of the modes at the point
+    ContactModes::MotionBounds bounds; ///< bounds of the modes at the point
     unsigned bounds_age = 0;           ///< samples since `bounds` was computed; 0: it is not valid
     double surface_m = 0;              ///< displacement of the point after the steps so far
-    double preload_velocity_m_per_s = 0; ///< of the point, mean of a step, by all preloads
-    ForceMoments moments{};              ///< of the force within the present sample
+    double preload_velocity_m_per_s = 0; ///< mean velocity of the point in a step, by all preloads
+    ForceMoments moments{};              ///< moments of the force within the present sample
   };
   [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
     double sum = 0;
@@ -238,8 +239,8 @@ private:
   Rigid rigid_displacement_{}, rigid_velocity_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
-  contact::ContactSystem system_;      ///< by position in touching_
-  double next_compliance_m_per_n_ = 0; ///< of a single contact, a step after its force
+  contact::ContactSystem system_;      ///< system by position in touching_
+  double next_compliance_m_per_n_ = 0; ///< compliance of a single contact, a step after its force
   std::vector<std::size_t> touching_;  ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
   std::vector<SampledForce> sampled_;

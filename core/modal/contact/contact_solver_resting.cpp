@@ -27,7 +27,7 @@ void ContactSolver::begin_resting_contact(std::size_t slot, const RestingContact
   activate(slot);
 }
 
-/// The constant load acts at every contact point as minus its preload.
+/// At every contact point the constant load acts as the negative preload of that point.
 void ContactSolver::update_preload_velocities() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a) {
     double velocity = 0;
@@ -37,7 +37,8 @@ void ContactSolver::update_preload_velocities() noexcept {
   }
 }
 
-/// The most steps in a sample for resting contacts, which last: fewer for many modes and contacts.
+/// The largest number of steps in a sample for resting contacts, which last long. It is smaller for
+/// many modes and contacts.
 double ContactSolver::max_resting_steps() const noexcept {
   constexpr double kMaxSteps = 8;
   const double work = static_cast<double>(std::max<std::size_t>(modes_ * active_count_, 1));

@@ -21,7 +21,8 @@ public:
   explicit Bands(const StruckPoint& point) noexcept {
     const std::size_t count = std::min(point.gain.size(), point.rate.size());
     const bool known = point.band.size() >= count;
-    // Several sums side by side, so that neighbouring modes, mostly of one band, do not wait.
+    // Several sums side by side, so that the additions of neighbouring modes, which are mostly in
+    // one band, do not wait for each other.
     std::array<std::array<Band, kApart>, kBands> part{};
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t index = known ? point.band[k] % kBands : pulse_band(point.rate[k].imag());
@@ -45,7 +46,7 @@ public:
 private:
   static constexpr std::size_t kApart = 4;
   struct Band {
-    double mobility = 0, sum = 0; ///< of b^2 and of b^2 omega
+    double mobility = 0, sum = 0; ///< sums of b^2 and of b^2 omega
   };
   std::array<Band, kBands> band_{};
 };

@@ -15,15 +15,14 @@ struct Pulse {
   double impulse_n_s = 0, duration_s = 0;
   double mass_ratio = 0; ///< m M: striker's mass times the body's mobility M
 
-  /// Up to this ratio the impulse is within 0.5 dB of the coupled contact's. A heavier striker is
-  /// still in reach when the body swings back, which hits it again.
+  /// Up to this ratio the impulse is within 0.5 dB of that of the coupled contact. A heavier
+  /// striker is still within reach when the body swings back and hits it again.
   static constexpr double kMaxMassRatio = 0.4;
 
   /// The pulse's spectrum over its value at 0 Hz: cos(omega T/2) / (1 - (omega T/pi)^2), `radians`
-  /// being omega T.
+  /// is omega T.
   [[nodiscard]] static double spectrum(double radians) noexcept;
-  /// An upper bound of |spectrum| without a cosine: 1, or 1/((omega T/pi)^2 - 1) where that is
-  /// less.
+  /// An upper bound of |spectrum| without a cosine: 1, or 1/((omega T/pi)^2 - 1) if that is less.
   [[nodiscard]] static double envelope(double radians) noexcept {
     constexpr double kInverse = 0.3183098861837907; // 1/pi
     const double square = radians * radians * (kInverse * kInverse);
@@ -36,11 +35,11 @@ struct StruckPoint {
   std::span<const double> gain;               ///< b of all modes, 1/sqrt(kg)
   std::span<const std::complex<double>> rate; ///< s of all modes, 1/s
   double rigid_mobility_per_kg = 0;           ///< sum of b^2 of a free body's rigid motions
-  double compliance_m_per_n = 0;              ///< of the modes that the table omits
+  double compliance_m_per_n = 0;              ///< compliance of the modes that the table omits
   std::span<const std::uint8_t> band{};       ///< pulse_band() of each mode; empty: computed here
 };
 
-/// The band, one of 128 with four to the octave, of an angular frequency. Summing modes by bands
+/// The band of an angular frequency: one of 128 bands, four to the octave. Summing modes by bands
 /// keeps the search for a pulse's duration from growing with the body.
 [[nodiscard]] std::uint8_t pulse_band(double omega_per_s) noexcept;
 inline constexpr std::size_t kPulseBands = 128;

@@ -9,7 +9,7 @@ namespace {
 using Rigid = RestEquilibrium::Rigid;
 
 constexpr double kSameDirection = 1e-3; // relative: smaller remainders come from the mesh
-constexpr double kBalance = 1e-6;       // of the load
+constexpr double kBalance = 1e-6;       // share of the load
 
 double dot(const Rigid& a, const Rigid& b) {
   double sum = 0;

@@ -12,12 +12,12 @@ namespace tactus::modal {
 /// A force at point i acts on the body's six rigid motions (of unit inertia) by the gains g_i,
 /// 1/sqrt(kg). A constant load acts on the same motions, N/sqrt(kg). Motions that no point resists
 /// (sliding, turning about the line through two points) are assumed fixed without loss, as friction
-/// or the guides of a cord fix them; only the span of the gains is solved.
+/// or the guides of a cord fix them. Only the span of the gains is solved.
 struct RestEquilibrium {
   using Rigid = std::array<double, 6>;
-  /// Contact forces F_i >= 0, N, with sum of (F_i - pressing) g_i = -load within the span. Of many
-  /// solutions it is the one with the least sum of squares (equally stiff points); points that
-  /// would pull are lifted off.
+  /// Contact forces F_i >= 0, N, with sum of (F_i - pressing) g_i = -load within the span. If there
+  /// are many solutions, it is the one with the least sum of squares (equally stiff points). Points
+  /// that would pull are lifted off.
   std::vector<double> force_n;
   std::vector<Rigid> basis; ///< orthonormal, of the span of the gains
   bool balanced = true;     ///< false: no such forces exist, the body tips over

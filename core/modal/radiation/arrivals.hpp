@@ -13,10 +13,10 @@ namespace tactus::modal {
 
 /// The sound's travel time along the shortest path, split between the delay line and the kernels.
 ///
-/// BandLimit's latency is taken off, down to 0. The delay line takes `delay_s`; the kernels of a
-/// near listener hold the remaining fraction of a sample, because a short delay line is flat for
-/// whole delays only. `from_s`: another delay that this one exceeds by whole samples; below 0:
-/// none.
+/// The latency of BandLimit is subtracted, down to 0. The delay line takes `delay_s`; the kernels
+/// of a near listener hold the remaining fraction of a sample, because the response of a short
+/// delay line is flat for whole delays only. `from_s`: another delay that this one exceeds by whole
+/// samples; below 0: none.
 struct TravelTime {
   double delay_s = 0, fractional_samples = 0;
   TravelTime() = default;
@@ -41,11 +41,11 @@ class Arrivals {
 public:
   static constexpr std::size_t kRigid = 6;
   /// The longest response in samples; later arrivals are moved to its end. Paths differ by more
-  /// only for bodies of more than 7 m (at 48 kHz).
+  /// only in bodies larger than 7 m (at 48 kHz).
   static constexpr std::size_t kMaxSpread = 1024;
 
   virtual ~Arrivals() = default;
-  double delay_s = 0;  ///< for the delay line
+  double delay_s = 0;  ///< delay of the delay line
   bool silent = false; ///< no face of the body is turned to the listener
   /// The number of modes; the rigid motions come after them.
   [[nodiscard]] virtual std::size_t modes() const noexcept = 0;

@@ -11,8 +11,8 @@ namespace tactus::modal {
 /// The low-pass kernel that samples impulses at arbitrary times without aliasing.
 ///
 /// A sinc under a Kaiser window (Kaiser 1974), time in samples. Its passband is flat within 0.003
-/// dB up to 20 kHz, or 0.4535 of lower sample rates. Aliases below that are 100 dB down; at sample
-/// rates below 47 kHz, where the transition band is narrower, 72 dB.
+/// dB up to 20 kHz, or 0.4535 of lower sample rates. Aliases below that frequency are 100 dB down;
+/// at sample rates below 47 kHz, where the transition band is narrower, 72 dB.
 struct BandLimit {
   static constexpr std::size_t kHalfWidth = 24;
   /// Latency in samples, which makes the kernel causal and leaves room for the interpolation below.
@@ -67,7 +67,7 @@ private:
     }
     return sum;
   }
-  double beta_; ///< of Kaiser's window
+  double beta_; ///< shape parameter of Kaiser's window
 };
 
 } // namespace tactus::modal

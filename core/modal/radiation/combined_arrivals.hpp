@@ -16,7 +16,7 @@ public:
   struct Part {
     std::unique_ptr<Arrivals> arrivals;
     std::span<const std::size_t>
-        mode; ///< index in the common list of each of its modes; must outlive this
+        mode; ///< index of each of its modes in the common list; must outlive this object
     std::size_t extra_delay = 0; ///< samples after the first part's delay
   };
   /// The parts' delays must differ by whole samples (TravelTime).
@@ -30,7 +30,7 @@ private:
     std::size_t part = 0, motion = 0;
   };
   std::vector<Part> parts_;
-  std::vector<Source> source_; ///< of each mode in the list
+  std::vector<Source> source_; ///< sources of each mode in the list
 };
 
 } // namespace tactus::modal

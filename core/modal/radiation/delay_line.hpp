@@ -11,11 +11,11 @@ namespace tactus::modal {
 /// A variable fractional delay line for the sound's travel time to a listener.
 ///
 /// Interpolation: 40 neighbours weighted by a sinc under a Kaiser window (beta 5.5), normalised to
-/// gain 1 at 0 Hz. It is flat within 0.03 dB and delays exactly within 0.001 samples up to 0.4535
-/// of the sample rate (20 kHz at 44.1 kHz). A delay below 20 samples has fewer newer neighbours and
-/// uses as few older ones: from two samples on it is within 0.25 dB at a quarter of the sample
-/// rate, but falls above. Whole delays are exact; the kernels of a near listener hold the fraction
-/// (TravelTime).
+/// gain 1 at 0 Hz. Its response is flat within 0.03 dB, and its delay is exact within 0.001
+/// samples, up to 0.4535 of the sample rate (20 kHz at 44.1 kHz). A delay below 20 samples has
+/// fewer newer neighbours and uses as few older ones. From a delay of two samples on, the response
+/// is within 0.25 dB at a quarter of the sample rate, but falls above it. Whole delays are exact;
+/// the kernels of a near listener hold the fraction (TravelTime).
 ///
 /// A new delay is reached as Glide describes: by a cross-fade of up to three delays, or by one
 /// moving delay, whose Doppler shift is limited by kMaxSlope.
@@ -27,7 +27,7 @@ public:
   /// Allocates and clears. `longest`: the longest delay in samples.
   void prepare(std::size_t longest);
   /// Sets the delay in samples. `glide`: a moving delay with Doppler shift, else a cross-fade; a
-  /// change of this holds from the next rest on. `jump`: at once.
+  /// change of `glide` takes effect at the next rest. `jump`: sets the delay at once.
   void set(double samples, bool glide, bool jump) noexcept;
   void clear() noexcept;
 
@@ -35,12 +35,13 @@ public:
     run(&in, 1);
     return in;
   }
-  /// The same for many samples, in place; the same bits in blocks of any size.
+  /// Delays `count` samples in place; gives the same bits in blocks of any size.
   void run(float* sound, std::size_t count) noexcept;
 
 private:
   static constexpr std::size_t kChunk = 64;                      ///< samples computed together
-  static constexpr std::size_t kMargin = kChunk + 2 * kHalf + 2; ///< beyond the longest delay
+  static constexpr std::size_t kMargin = kChunk + 2 * kHalf + 2; ///< samples beyond the longest
+                                                                 ///< delay
 
   /// Interpolation weights of the samples around the delay.
   struct Kernel {

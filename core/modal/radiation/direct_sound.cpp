@@ -10,7 +10,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::size_t kNodes = BandLimit::kNodes, kGauss = BandLimit::kGauss;
-constexpr double kHighDecay = 0.3;    // Np a sample, the least, of modes too high for the bank
+constexpr double kHighDecay = 0.3;    // Np per sample, smallest decay of modes too high for the
+                                      // bank
 constexpr double kSilentDecay = 9;    // Np after which a mode is cut off
 constexpr std::size_t kHighTail = 30; // samples: kSilentDecay at kHighDecay
 
@@ -39,7 +40,8 @@ std::array<Complex, kGauss> exponential_moments(Complex s) noexcept {
       for (std::size_t j = 0; j < kGauss; ++j)
         sum[j] += low_legendre(j, 2 * v - 1) * part;
     }
-  if (std::abs(s) > 0.1) // the mean in closed form: it cancels the bank's against constant forces
+  if (std::abs(s) > 0.1) // the mean in closed form, which must cancel the bank's response to
+                         // constant forces
     sum[0] = (std::exp(s) - 1.0) / s;
   return sum;
 }
@@ -54,7 +56,8 @@ struct Motion {
 
 namespace {
 
-constexpr std::size_t kBandLimit = BandLimit::kLength + 2; // samples beside the arrivals' spread
+constexpr std::size_t kBandLimit = BandLimit::kLength + 2; // samples in addition to the arrivals'
+                                                           // spread
 
 } // namespace
 
@@ -187,7 +190,7 @@ void DirectKernels::compute_mode(const Arrivals& arrivals, const Mode& mode, dou
   if (in_bank)
     weight_.push_back(weight * sample_rate);
   Complex ring = weight;
-  double residual = 0; // of the answer to a constant sampled force
+  double residual = 0; // residual of the response to a constant sampled force
   std::size_t loudest = 0;
   for (std::size_t n = 0; n < taps_; ++n) {
     const Motion a(motion[n], s), b(motion[n + 1], s);
@@ -211,8 +214,8 @@ void DirectKernels::compute_mode(const Arrivals& arrivals, const Mode& mode, dou
       loudest = n;
     ring *= pole;
   }
-  // The response to a constant force must cancel the bank's. The remainder, which the band limit
-  // passes at the sample rate (1e-4 of the direct sound), is subtracted at the loudest tap.
+  // The response to a constant force must cancel that of the bank. The remainder, which the band
+  // limit passes at the sample rate (1e-4 of the direct sound), is subtracted at the loudest tap.
   residual += (weight / (1.0 - pole)).imag();
   samples[loudest] -= static_cast<float>(residual);
 }

@@ -18,7 +18,7 @@ namespace tactus::modal {
 using ForceMoments = std::array<double, 3>;
 
 /// Short FIR filters from a force to its direct sound: the exact pressure of the driven surface,
-/// less the output of the mode bank.
+/// minus the output of the mode bank.
 ///
 /// A driven mode k has the acceleration q'' = b f - 2 alpha q' - |s|^2 q and radiates the pressure
 /// p = rho g_k * q_k'', where g_k is its response in Arrivals. After the end of the force and the
@@ -27,8 +27,8 @@ using ForceMoments = std::array<double, 3>;
 /// Until then they differ by
 ///   D_k(t) = rho (g_k * (delta + Im(s_k^2 e^(s_k t))/omega_k))(t) - Im(w_k e^(s_k t)),
 /// so that the direct sound is the force filtered by the sum over k of b_k D_k. Its response to a
-/// constant force cancels the bank's. Modes that decay within the arrivals' spread, modes too high
-/// for the bank and rigid motions are in this filter only (w = 0).
+/// constant force cancels that of the bank. Modes that decay within the arrivals' spread, modes too
+/// high for the bank and rigid motions are in this filter only (w = 0).
 ///
 /// There are two forms: for impulses at the samples, as ModeBank takes forces, and for forces that
 /// act throughout a sample, given by their moments, as ContactSolver computes them.
@@ -39,26 +39,27 @@ using ForceMoments = std::array<double, 3>;
 class DirectKernels {
 public:
   static constexpr std::size_t kMaxMoments = std::tuple_size_v<ForceMoments>;
-  /// Modes times taps above which the sums over the modes are computed in advance; below, the
-  /// beginning of a force costs less than 20 us per listener.
+  /// Modes times taps above which the sums over the modes are computed in advance; below this
+  /// number, the beginning of a force costs less than 20 us per listener.
   static constexpr std::size_t kMaxSummed = std::size_t{1} << 15;
   /// Products in those sums above which only moment 0 is used, so that a model is built within
-  /// seconds: an error of -2.6 dB of the direct part at 20 kHz (at 48 kHz).
+  /// seconds. The error of the direct part is then -2.6 dB at 20 kHz (at 48 kHz).
   static constexpr std::uint64_t kMaxProducts = std::uint64_t{1} << 33;
-  /// The most floats in the rows of one listener, 256 MB; kernels are truncated to fit.
+  /// The largest number of floats in the rows of one listener, 256 MB; kernels are truncated to
+  /// fit.
   static constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
   static constexpr std::size_t kMaxTaps = 4096;
-  /// A mode that decays by more than this (Np) within the arrivals is not given to the bank: its
-  /// weight would be too large by that factor, to be cancelled by the filter.
+  /// A mode that decays by more than this (Np) within the arrivals is not given to the bank,
+  /// because its weight would be too large by that factor and the filter would have to cancel it.
   static constexpr double kMaxDecay = 3;
 
   struct Mode {
     std::complex<double> rate; ///< 1/s
-    std::size_t motion;        ///< of Arrivals
+    std::size_t motion;        ///< index of the motion in Arrivals
     enum class Part {
-      kRinging,  ///< in the bank
-      kTooHigh,  ///< above the bank's limit: it follows the force quasi-statically
-      kInaudible ///< left out
+      kRinging,  ///< a mode in the bank
+      kTooHigh,  ///< a mode above the bank's limit, which follows the force quasi-statically
+      kInaudible ///< a mode that is left out
     } part;
     double pulse_gain = 1; ///< factor of the gain for pulses (BodyModel)
   };
@@ -78,7 +79,7 @@ public:
   };
   using SurfaceGain = std::array<VertexGain, 3>;
   /// The longest arrivals in samples that fit in kMaxNumbers, for rows of `modes`, or of `vertices`
-  /// where these are fewer; 0 vertices: there is no surface.
+  /// if these are fewer; 0 vertices: there is no surface.
   [[nodiscard]] static std::size_t max_spread(std::size_t modes, std::size_t vertices) noexcept;
   /// Allocates. Not for the audio path.
   void build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid, double sample_rate,
@@ -105,7 +106,7 @@ public:
   void assemble_samples(std::span<const double> gain, std::span<float> out) const noexcept;
   void assemble_samples(const SurfaceGain& gain, std::span<float> out) const noexcept;
   void assemble_pulse(const SurfaceGain& gain, std::span<float> out) const noexcept;
-  /// The same for moments: [moments()][taps()].
+  /// The kernel of a force at a point for moments: [moments()][taps()].
   void assemble_moments(std::span<const double> gain, std::span<float> out) const noexcept;
   void assemble_moments(const SurfaceGain& gain, std::span<float> out) const noexcept;
   void assemble_rigid_samples(const std::array<double, Arrivals::kRigid>& gain,
@@ -129,9 +130,10 @@ private:
   std::vector<std::complex<double>> weight_;
   /// [row][taps], [row][moments][taps]; rows are modes, or x, y and z of vertices.
   std::vector<float> samples_, moments_;
-  std::vector<float> pulses_; ///< as samples_, of vertices, every mode times its pulse_gain
-  std::vector<float> rigid_samples_, rigid_moments_; ///< the same of the rigid motions
-  std::vector<double> pressure_;                     ///< of a mode, while they are built
+  std::vector<float> pulses_; ///< as samples_, for vertices, every mode times its pulse_gain
+  std::vector<float> rigid_samples_, rigid_moments_; ///< the same for the rigid motions
+  std::vector<double> pressure_;                     ///< pressure of a mode, while the kernels are
+                                                     ///< built
   std::vector<std::complex<double>> motion_;
 };
 
@@ -149,13 +151,14 @@ class DirectSound {
 public:
   static constexpr std::size_t kChunk = 64;
   static constexpr std::size_t kListeners = 4;
-  /// A free body hangs in a soft suspension: its rigid motions are high-passed at this frequency.
+  /// A free body hangs in a soft suspension, so its rigid motions are high-passed at this
+  /// frequency.
   static constexpr double kSuspensionHz = 4;
 
   /// Allocates.
   void prepare(double sample_rate);
   void clear() noexcept;
-  /// Clears this listener and those after it.
+  /// Clears this listener and the listeners after it.
   void clear_from(std::size_t listener) noexcept;
   /// Adds a force in N at sample `at` of the present segment, by the kernels of one part of the
   /// glide.
@@ -170,8 +173,9 @@ public:
   void rotate(const Glide& before, const Glide& after) noexcept;
   /// Sets all parts to their present blend.
   void merge_parts(const Glide& glide) noexcept;
-  /// Replaces, in the latest part, the kernel of a force that has been constant for long. Call it
-  /// with the new kernel and the force, and with the old kernel and the force's negative.
+  /// Replaces, in the latest part, the kernel of a force that has been constant for a long time.
+  /// Call it once with the new kernel and the force, and once with the old kernel and the negative
+  /// force.
   void add_history(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
                    std::span<const double> force) noexcept;
   /// Adds the segment's output to `sound` and begins the next segment. `glide`: as at the segment's
@@ -183,7 +187,7 @@ private:
     std::vector<float> elastic, rigid;
     std::size_t end = 0; ///< samples that may differ from zero
   };
-  using Lines = std::array<Line, 3>; ///< by Part
+  using Lines = std::array<Line, 3>; ///< lines by Part
   static void add(Line& line, std::size_t at, const ForceKernel& kernel, std::size_t taps,
                   std::span<const float> force) noexcept;
   static void shift(Line& line, std::size_t frames) noexcept;

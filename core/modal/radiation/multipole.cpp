@@ -110,7 +110,8 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
   out.pressure.assign(rate.size(), 0);
   const Vec3 from_centre = listener - size * poles.centre;
   const double reference = size * poles.reference_radius_m;
-  // The series does not hold inside the reference sphere: a nearer listener is moved onto it.
+  // The series does not hold inside the reference sphere, so a nearer listener is moved onto the
+  // sphere.
   const double distance = std::max(norm(from_centre), reference);
   const MultipoleDirection direction(table, from_centre);
   out.delay_s = (distance - reference) / sound_speed;
@@ -125,7 +126,7 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
     Complex sum = 0;
     for (std::size_t l = 0; l < sums.size(); ++l) {
       const Complex spread = far[l] / near[l];
-      // Where the Hankel functions overflow only the near field is left.
+      // If the Hankel functions overflow, only the near field is left.
       sum += sums[l] * (std::isfinite(spread.real()) && std::isfinite(spread.imag())
                             ? spread
                             : Complex(std::pow(reference / distance, static_cast<double>(l) + 1)));

@@ -21,7 +21,7 @@ public:
   /// The sum over m of c_lm Y_lm(direction) for each degree l of a mode. `ratio`: the present
   /// frequency over the table's; coefficients are interpolated between the table's ratios.
   [[nodiscard]] std::vector<std::complex<double>> sums(std::size_t mode, double ratio) const;
-  /// The same at one of the frequencies of MultipoleTable::Band.
+  /// The same sums at one of the frequencies of MultipoleTable::Band.
   [[nodiscard]] std::vector<std::complex<double>> band_sums(std::size_t mode,
                                                             std::size_t frequency) const;
 
@@ -33,14 +33,14 @@ private:
 /// One translation of a free body as a source of sound: a rigid sphere of the same dipole moment.
 struct RigidDipole {
   Vec3 axis{};         ///< principal axis, of length 1
-  double radius_m = 0; ///< of the equivalent sphere; 0: silent
+  double radius_m = 0; ///< radius of the equivalent sphere; 0: silent
 };
 /// The equivalent dipoles of a rigid body along its principal axes.
 ///
 /// The body is replaced by the ellipsoid of its mass and inertia, in incompressible air. Its dipole
-/// moment is rho (V + V_e k) a, with V the volume of the body, V_e that of the ellipsoid, a the
-/// acceleration and k Lamb's inertia coefficients (Lamb 1932, section 114); a sphere of radius R
-/// has 2 pi rho R^3 a. Exact for ellipsoids that are small compared with the wavelength.
+/// moment is rho (V + V_e k) a, with V the volume of the body, V_e the volume of the ellipsoid, a
+/// the acceleration and k Lamb's inertia coefficients (Lamb 1932, section 114). A sphere of radius
+/// R has 2 pi rho R^3 a. Exact for ellipsoids that are small compared with the wavelength.
 [[nodiscard]] std::array<RigidDipole, 3>
 rigid_dipoles(double mass_kg, const std::array<Vec3, 3>& inertia_kg_m2, double volume_m3);
 
@@ -49,8 +49,8 @@ rigid_dipoles(double mass_kg, const std::array<Vec3, 3>& inertia_kg_m2, double v
 /// Degree l of a mode radiates like a sphere of the table's reference radius a that moves with a
 /// normal velocity v_l,
 ///   p_l = v_l rho j omega E_l,   E_l = -c h_l(k r) / (omega h_l'(k a)).
-/// This is causal, and falls towards low frequencies as a compact source of degree l does,
-/// E_l -> a (a/r)^(l+1)/(l+1).
+/// This transfer is causal, and falls towards low frequencies as that of a compact source of degree
+/// l, E_l -> a (a/r)^(l+1)/(l+1).
 ///
 /// Tables with multipoles near each mode's own frequency only: v_l gives the table's pressure at
 /// that frequency. Its imaginary part, by which a body differs from a sphere, is multiplied by j
@@ -59,7 +59,7 @@ rigid_dipoles(double mass_kg, const std::array<Vec3, 3>& inertia_kg_m2, double v
 /// the travel time from half the reference radius. Below the lowest frequency its real part is
 /// constant and its imaginary part proportional to the frequency; above, it is constant.
 ///
-/// `omega`: of each of the table's modes, 1/s; 0: not needed.
+/// `omega`: angular frequency of each of the table's modes, 1/s; 0: not needed.
 [[nodiscard]] std::unique_ptr<Arrivals>
 multipole_arrivals(const ModalTable& table, std::span<const double> omega, const Vec3& listener,
                    const RadiatingSurface::Scene& scene, const std::array<RigidDipole, 3>& rigid,

@@ -14,9 +14,9 @@ using Complex = std::complex<double>;
 
 using std::numbers::pi;
 constexpr double kDecay = 9;      // length of a sphere's transients in units of a/c
-constexpr double kBandDecay = 20; // of a body with edges and cavities
+constexpr double kBandDecay = 20; // length of the transients of a body with edges and cavities
 constexpr double kMaxPhaseStep =
-    2 * pi * 0.6; // rad a sample: the end of BandLimit's transition band
+    2 * pi * 0.6; // rad per sample: the end of BandLimit's transition band
 
 /// h_l' by the recursion h_l' = h_(l-1) - (l + 1)/x h_l.
 Complex slope(const std::vector<Complex>& h, std::size_t l, double x) {
@@ -100,9 +100,9 @@ public:
 
 private:
   static constexpr int kPlain = -1000;
-  static constexpr double kMinTurns = 2; ///< of a wave, whose main lobe then ends above 0 Hz
+  static constexpr double kMinTurns = 2; ///< turns of a wave, whose main lobe then ends above 0 Hz
   static constexpr double kTravelRadii =
-      0.5; ///< radii whose travel time is taken out between samples
+      0.5; ///< reference radii: path whose travel time is removed before v_l is interpolated
   [[nodiscard]] double turn() const noexcept { return 2 * pi / static_cast<double>(period_); }
 
   static void add(double amount, const std::vector<double>& kernel, std::span<double> to) {
@@ -152,9 +152,9 @@ private:
     correct_own_frequency(motion, pressure);
   }
 
-  /// Adds a wave under a Hann window that restores the kernel's transfer at the mode's own
-  /// frequency, at which it rings, to that of the table's waves. Truncating the kernel has changed
-  /// it.
+  /// Truncating the kernel has changed its transfer at the mode's own frequency, at which the mode
+  /// rings. This adds a wave under a Hann window that restores the transfer of the table's waves at
+  /// that frequency.
   void correct_own_frequency(std::size_t motion, std::span<double> out) const {
     const double turn = omega_[motion] / scene_.sample_rate;
     if (turn * static_cast<double>(samples_) < kMinTurns * 2 * pi || turn >= kMaxPhaseStep)
@@ -193,10 +193,10 @@ private:
   struct LowFrequencyFit {
     static constexpr std::size_t kSmooth = 10;
     using Shapes = std::array<double, kSmooth>;
-    std::size_t count = 0;                          ///< of frequencies that are fitted
-    std::vector<Shapes> shape;                      ///< at every node of every sample
-    std::vector<Complex> wave;                      ///< frequency by node: its part of the integral
-    std::vector<std::array<Complex, kSmooth>> part; ///< of each shape at each frequency
+    std::size_t count = 0;                          ///< number of frequencies that are fitted
+    std::vector<Shapes> shape;                      ///< shapes at every node of every sample
+    std::vector<Complex> wave;                      ///< by frequency and node: part of the integral
+    std::vector<std::array<Complex, kSmooth>> part; ///< part of each shape at each frequency
     std::array<Shapes, kSmooth> equation{};
   };
 
@@ -333,7 +333,7 @@ private:
       const auto near = spherical_hankel(l + 1, wavenumber * radius);
       const auto far = spherical_hankel(l + 1, wavenumber * distance_);
       Complex value = -density * c / omega * far[l] / slope(near, l, wavenumber * radius) *
-                      std::polar(1.0, wavenumber * (distance_ - radius)); // of the common delay
+                      std::polar(1.0, wavenumber * (distance_ - radius)); // minus the common delay
       if (!std::isfinite(value.real()) || !std::isfinite(value.imag()))
         value = still;
       transfer[i] = band_[i - 1] * value;
@@ -341,8 +341,9 @@ private:
     return transfer;
   }
 
-  /// The inverse Fourier transform at the nodes of every sample. Each time's wave is a chain of
-  /// rotations, in which every step waits for the one before; kLanes chains run side by side.
+  /// The inverse Fourier transform at the nodes of every sample. The wave at each time is a chain
+  /// of rotations, in which every step waits for the step before, so kLanes chains run side by
+  /// side.
   void transform(const std::vector<Complex>& transfer, std::span<double> out) const {
     constexpr std::size_t kLanes = 8;
     using Lanes = std::array<double, kLanes>;
@@ -409,7 +410,7 @@ private:
   std::size_t samples_ = 0, period_ = 64;
   std::vector<double> band_;
   mutable std::map<Key, std::vector<double>> kernels_;
-  mutable std::map<std::size_t, std::vector<Complex>> waves_; ///< by degree
+  mutable std::map<std::size_t, std::vector<Complex>> waves_; ///< waves by degree
   mutable LowFrequencyFit low_frequency_fit_;                 ///< empty: not needed yet
 };
 
@@ -448,7 +449,7 @@ std::array<RigidDipole, 3> rigid_dipoles(double mass_kg, const std::array<Vec3, 
   const double sum = inertia[0][0] + inertia[1][1] + inertia[2][2];
   if (!(mass_kg > 0) || !(sum > 0) || !(volume_m3 > 0))
     return dipoles;
-  std::array<double, 3> square{}; // of the semi-axes
+  std::array<double, 3> square{}; // squares of the semi-axes
   for (std::size_t i = 0; i < 3; ++i)
     square[i] =
         std::max(2.5 * (sum - 2 * inertia[i][static_cast<int>(i)]) / mass_kg, 1e-6 * sum / mass_kg);

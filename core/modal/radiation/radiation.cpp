@@ -10,8 +10,10 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: the surface is resolved up to it
-constexpr double kNearest = 1e-4;           // m, to a source: closer the integral is not valid
+constexpr double kMaxFrequencyRatio = 0.45; // share of the sample rate: the surface is resolved up
+                                            // to it
+constexpr double kNearest = 1e-4;           // m, smallest distance to a source; below it the
+                                            // integral is not valid
 
 } // namespace
 
@@ -40,8 +42,8 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
   }
   if (total > 0)
     middle_ = middle_ * (1 / total);
-  // The projected area along the thin axis is nearly half the surface of a plate, a quarter of a
-  // ball's.
+  // The projected area along the thin axis is nearly half the surface of a plate, and a quarter of
+  // the surface of a ball.
   constexpr double kFlatShare = 0.6;
   int axis = 0;
   for (int a = 1; a < 3; ++a)
@@ -148,7 +150,8 @@ public:
       bins_ = std::max<std::size_t>(bins_, bin + BandLimit::kSpan);
     }
     collect_nodes(sources, arrival, scene.shape_scale);
-    for (std::size_t r = 0; r < kRigid && !rigid.empty(); ++r) { // in kg, m and radians already
+    for (std::size_t r = 0; r < kRigid && !rigid.empty(); ++r) { // rigid motions are already in kg,
+                                                                 // m and radians
       rigid_[r].assign(bins_, 0);
       for (std::size_t i = 0; i < sources.size(); ++i)
         for (std::size_t j = 0; j < BandLimit::kSpan; ++j)
@@ -186,13 +189,13 @@ public:
   }
 
 private:
-  struct Arrival { ///< of a source
+  struct Arrival { ///< arrival of a source
     std::uint32_t bin;
     std::array<double, BandLimit::kSpan> share;
   };
   struct NodeArrivals { ///< shares of consecutive bins, from the first that the node contributes to
     std::uint32_t node = 0, first_bin = 0;
-    std::size_t begin = 0, count = 0; ///< in `share_`
+    std::size_t begin = 0, count = 0; ///< range in `share_`
   };
 
   /// Displacements at the sources are interpolated between nodes, so that a mode is summed over the

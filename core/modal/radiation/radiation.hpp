@@ -24,16 +24,16 @@ struct ListenerTransfer {
 class RadiatingSurface {
 public:
   /// Computes every mode's normal displacement at the surface's nodes. Allocates. The surface must
-  /// outlive this.
+  /// outlive this object.
   void build(const ModalTable& table, const Surface& surface);
 
-  /// The air, and the factors of the table's lengths (`size`) and mode shapes (`shape_scale`).
+  /// The air, and the factors on the table's lengths (`size`) and mode shapes (`shape_scale`).
   struct Scene {
     double size = 1, shape_scale = 1, air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
     double sample_rate = 48000;
     std::size_t max_spread = Arrivals::kMaxSpread; ///< samples
     double delay_from_s =
-        -1; ///< of another body with the same listener (TravelTime); below 0: none
+        -1; ///< delay of another body with the same listener (TravelTime); below 0: none
   };
   /// Outward displacement of each triangle for a unit of the rigid motions' coordinates.
   using RigidShapes = std::vector<std::array<double, Arrivals::kRigid>>;
@@ -45,7 +45,8 @@ public:
   /// `listener`: m, in the body's axes. The surface must outlive the result.
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener, const Scene& scene,
                                                    const RigidShapes& rigid) const;
-  /// The same in free vibration with complex rates s = -alpha + j omega_d, without a band limit:
+  /// Rayleigh's integral in free vibration with complex rates s = -alpha + j omega_d, without a
+  /// band limit:
   ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance.
   /// `mode`: the table's index of each rate.
   [[nodiscard]] ListenerTransfer modal(std::span<const std::complex<double>> rate,

@@ -35,7 +35,7 @@ public:
     return density_ * (potential(table, hit, time_s) - potential(table, hit, time_s - kStep)) /
            kStep;
   }
-  /// The time after the strike when the sound has ended, s.
+  /// Time from the strike to the end of the sound, s.
   [[nodiscard]] double end_s(const RawTable& table) const noexcept {
     const auto longest = std::max_element(delay_s_.begin(), delay_s_.end());
     return static_cast<double>(table.samples) / table.sample_rate_hz + 1e-3 +

@@ -7,14 +7,14 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kCoarser = 0.7; // factor of the wavenumber where there are too many sources
+constexpr double kCoarser = 0.7; // factor on the wavenumber if there are too many sources
 constexpr int kMaxAttempts = 40;
 constexpr double kSmooth = 0.8660254037844386; // cosine of 30 degrees
 constexpr double kArcsAWavelength = 18;
 
 struct Point {
   std::array<double, 3> weight;
-  double share; ///< of the area
+  double share; ///< share of the area
 };
 constexpr std::array kCentre{Point{{1.0 / 3, 1.0 / 3, 1.0 / 3}, 1}};
 constexpr std::array kThree{Point{{2.0 / 3, 1.0 / 6, 1.0 / 6}, 1.0 / 3},
@@ -29,15 +29,15 @@ constexpr std::array kSeven{
     Point{{1 - 2 * kB, kB, kB}, kShareB},      Point{{kB, 1 - 2 * kB, kB}, kShareB},
     Point{{kB, kB, 1 - 2 * kB}, kShareB}};
 
-/// Integrals over angles, seen from the listener's foot on a triangle's plane: of 1, and of the
-/// unit vector of that angle.
+/// Integrals over the angles around the foot of the listener's perpendicular on a triangle's plane:
+/// of 1, and of the unit vector at that angle.
 struct Angles {
   double angle = 0;
   Vec3 direction{};
 };
 
-/// The part of a circle about the listener's foot that lies in the triangle between the foot and an
-/// edge, negative where the edge is seen from outside.
+/// The part of a circle about that foot that lies in the triangle between the foot and an edge,
+/// negative if the edge is seen from outside.
 class Edge {
 public:
   Edge() = default;
@@ -60,7 +60,7 @@ public:
       return;
     if (radius <= height_)
       return add(begin_, end_, sum);
-    const double half = std::sqrt(radius * radius - height_ * height_); // of the chord
+    const double half = std::sqrt(radius * radius - height_ * height_); // half of the chord
     if (end_.along > half)
       add(begin_.along > half ? begin_ : at(half, radius), end_, sum);
     if (begin_.along < -half)
@@ -136,7 +136,7 @@ private:
     const Vec3 foot = listener_ - height * normal;
     std::array<Edge, 3> edge;
     Weights at_foot{};
-    std::array<Vec3, 3> slope; // of the weights
+    std::array<Vec3, 3> slope; // gradients of the weights
     std::array<double, 7> limit{};
     std::size_t limits = 0;
     bool inside = true;
@@ -221,7 +221,7 @@ SurfaceNodes surface_nodes(const Surface& surface,
   // Linked lists of the nodes of each vertex so far.
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> first(vertices, kNone), next;
-  std::vector<Vec3> sum; // of the triangles' normals times area
+  std::vector<Vec3> sum; // sums of the triangles' normals times area
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& c = surface.corners(t);
     const Vec3 twice = cross(c[1] - c[0], c[2] - c[0]);

@@ -13,7 +13,7 @@ namespace tactus::modal {
 /// A quadrature point on a triangulated surface, or the mean of an arc of equal distance.
 struct SurfaceSource {
   std::uint32_t triangle = 0;
-  std::array<float, 3> weight{}; ///< of the triangle's corners, sum 1
+  std::array<float, 3> weight{}; ///< weights of the triangle's corners, sum 1
   double area_m2 = 0, distance_m = 0;
 };
 
@@ -33,7 +33,7 @@ inline constexpr std::size_t kMaxSurfaceSources = 2'000'000;
 /// k.
 ///
 /// `listener`: m. `size`: scales the surface. `wavenumber`: the largest k, 1/m. `nearest`: smaller
-/// distances are set to this, m. At most kMaxSurfaceSources.
+/// distances are set to this, m. Returns at most kMaxSurfaceSources points.
 [[nodiscard]] std::vector<SurfaceSource> surface_sources(const Surface& surface,
                                                          std::span<const std::size_t> triangles,
                                                          const Vec3& listener, double size,

@@ -17,23 +17,23 @@ namespace tactus::modal {
 struct LoadedTable {
   ModalTable table;
   Surface surface;
-  RadiatingSurface radiating; ///< of one body; of two each part has its own
+  RadiatingSurface radiating; ///< surface of one body; if there are two, each part has its own
   /// The table's shapes [V][K][3], vertex by vertex, so that a hit reads three vertices and not all
   /// modes' surfaces; `table.shape` is empty. Empty: unit gain.
   std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
   /// The same body in another shape, solved again: `share` relates the modes of `before` to those
-  /// of the new table. It must have the triangles of `before`, and no board.
+  /// of the new table. The new table must have the triangles of `before`, and no board.
   LoadedTable(ModalTable solved, const LoadedTable& before, std::vector<ModeShare> share);
-  /// Combines both: modes by frequency, each with its shape on its own body and zero on the other;
-  /// the body's vertices and triangles first, then the board's, displaced by so many metres in the
-  /// body's axes. Mass, inertia, material, air and shape parameters are the body's. `refusal()`
-  /// must be empty. Memory: 12 bytes for every mode of both at every vertex of both, besides the
-  /// two tables.
+  /// Combines both. The modes are in order of frequency, each with its shape on its own body and
+  /// zero on the other. The body's vertices and triangles come first, then those of the board,
+  /// displaced by this vector, m, in the body's axes. Mass, inertia, material, air and shape
+  /// parameters are those of the body. `refusal()` must be empty. Memory: 12 bytes for every mode
+  /// of both at every vertex of both, besides the two tables.
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);
-  /// The body solved again on the same board: the new body must follow the one of `before`.
+  /// The body solved again on the same board: the new body must follow the body of `before`.
   LoadedTable(const std::shared_ptr<const LoadedTable>& body, const LoadedTable& before);
   LoadedTable(const LoadedTable&) = delete; // `radiating` points to `surface`
   LoadedTable& operator=(const LoadedTable&) = delete;
@@ -45,7 +45,7 @@ struct LoadedTable {
     std::shared_ptr<const LoadedTable> loaded;
     Vec3 displacement_m{};
     std::size_t first_vertex = 0, first_triangle = 0;
-    std::vector<std::size_t> mode; ///< in `table`, of each of its own
+    std::vector<std::size_t> mode; ///< index in `table` of each of its own modes
   };
   std::vector<Part> parts;                ///< the body and the board; empty: one body
   std::vector<std::uint8_t> part_of_mode; ///< empty: one body
@@ -60,14 +60,15 @@ struct LoadedTable {
   [[nodiscard]] bool follows(const LoadedTable& other) const noexcept {
     return predecessor_ == other.serial_;
   }
-  std::vector<ModeShare> share; ///< from the table that this one follows; empty: it follows none
+  std::vector<ModeShare> share; ///< shares from the table that this table follows; empty: it
+                                ///< follows none
   [[nodiscard]] std::size_t part_of_triangle(std::size_t triangle) const noexcept {
     return !parts.empty() && triangle >= parts[kBoard].first_triangle ? kBoard : 0;
   }
   [[nodiscard]] bool is_board_mode(std::size_t mode) const noexcept {
     return !part_of_mode.empty() && part_of_mode[mode] == kBoard;
   }
-  /// The point of a part's surface nearest to one in metres, in the tables' size.
+  /// The point of a part's surface nearest to a position in metres, in the tables' size.
   [[nodiscard]] SurfacePoint nearest_on(std::size_t part, const Vec3& point_m) const noexcept;
 
 private:

@@ -7,8 +7,8 @@
 namespace tactus::modal {
 
 /// Density, elasticity and damping of a material, from handbooks. Damping is either a loss factor
-/// eta, alpha = omega eta/2, or Rayleigh's two terms, alpha = (a + b omega^2)/2. Mounts and air
-/// damp real bodies more.
+/// eta, alpha = omega eta/2, or Rayleigh's two terms, alpha = (a + b omega^2)/2. Real bodies are
+/// damped more, by their mounts and the air.
 struct MaterialPreset {
   std::string_view name;
   double density_kg_per_m3, youngs_modulus_pa, poisson;
@@ -34,7 +34,7 @@ inline constexpr std::array kMaterialPresets{
     MaterialPreset{"rubber", 1100, 0.05e9, 0.49, 0.1, 0, 0},
 };
 
-/// The preset of that name, if there is one.
+/// The preset of this name, if there is one.
 [[nodiscard]] constexpr std::optional<MaterialPreset>
 find_material(std::string_view name) noexcept {
   for (const MaterialPreset& preset : kMaterialPresets)

@@ -20,7 +20,7 @@ namespace tactus::modal {
 /// tangential); nu_ij: strain in j for stress along i.
 struct Orthotropy {
   std::array<double, 3> youngs_modulus_pa{}, shear_modulus_pa{}, poisson{}; ///< pairs 23 13 12
-  Vec3 axis_1{1, 0, 0}, axis_2{0, 1, 0}; ///< 2 lies in the plane of these two
+  Vec3 axis_1{1, 0, 0}, axis_2{0, 1, 0}; ///< direction 2 lies in the plane of these two axes
 
   /// True if no deformation releases energy, and the axes span a plane.
   [[nodiscard]] bool possible() const noexcept;
@@ -32,9 +32,9 @@ struct Orthotropy {
 /// The material to which the frequencies of a table belong.
 struct Material {
   std::string name;
-  double youngs_modulus_pa = 0; ///< along direction 1; 0: the table does not say
+  double youngs_modulus_pa = 0; ///< modulus along direction 1; 0: not in the table
   double poisson = 0.3;
-  double density_kg_per_m3 = 0; ///< 0: the table does not say
+  double density_kg_per_m3 = 0; ///< 0: not in the table
   std::optional<Orthotropy> orthotropy = std::nullopt;
 
   /// The modulus that a contact meets at a surface with this normal.
@@ -53,7 +53,7 @@ struct MultipoleTable {
   std::vector<std::complex<float>> coefficients; ///< mp_coef [S x total]
   Vec3 centre{};                                 ///< m
   double reference_radius_m = 0;                 ///< mp_rref
-  /// The same at frequencies common to all modes, for modes that a force drives; may be empty.
+  /// Coefficients at frequencies common to all modes, for modes that a force drives; may be empty.
   struct Band {
     std::vector<double> frequency_hz;              ///< mp_band_freq [F], ascending
     std::vector<std::int32_t> highest_degree;      ///< mp_band_lmax [K]

@@ -15,7 +15,7 @@ std::vector<double> frequency_factors(const ShapeSensitivity& sensitivity,
     return factor;
   const double highest = std::log(kMaxShapeFactor);
   for (std::size_t k = 0; k < modes; ++k) {
-    double change = 0; // of omega^2
+    double change = 0; // change of omega^2
     for (std::size_t p = 0; p < displacement_m.size(); ++p)
       change += sensitivity.eigenvalue_slope[p * modes + k] *
                 (displacement_m[p] - sensitivity.solved_at(p));

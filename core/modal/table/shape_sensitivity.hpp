@@ -8,8 +8,8 @@
 
 namespace tactus::modal {
 
-/// The derivatives of a body's eigenvalues with its shape parameters, for frequencies of other
-/// shapes.
+/// The derivatives of a body's eigenvalues with respect to its shape parameters, which give the
+/// frequencies of other shapes.
 ///
 /// The logarithm of omega^2 is extrapolated linearly from the shape d_0 of the table,
 ///   omega_k^2(d) = omega_k^2 exp(sum over p of slope_pk (d_p - d_p0) / omega_k^2).

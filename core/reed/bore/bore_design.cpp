@@ -15,7 +15,7 @@ using Complex = std::complex<double>;
 using std::numbers::pi;
 constexpr double kMinLength = 5e-3; // m
 // Nepers per section. The limit keeps the poles apart, by a factor of two or more in frequency. A
-// bore so long and narrow that it would need more reflects nothing audible.
+// bore so long and narrow that it would need a larger attenuation reflects nothing audible.
 constexpr double kMaxAttenuation = 2;
 constexpr double kLowestPole = 3, kHighestPole = 20e3; // Hz
 // Weights of G h/pi sqrt(q_k) in the sections: non-negative least squares of their sum and a delay
@@ -113,7 +113,8 @@ void BoreDesign::set_end(const Termination* end) noexcept {
     return;
   const double ratio = air_.sound_speed / air_at(20).sound_speed;
   const bool same = end == digital_source_ && rate_ == digital_rate_ && ratio == digital_ratio_;
-  // Also null: the termination at that address may have changed when it is set again.
+  // Stored even if null, because the termination at that address may have changed when it is set
+  // again.
   digital_source_ = end;
   if (end == nullptr || same)
     return;

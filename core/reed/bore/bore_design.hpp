@@ -48,7 +48,7 @@ public:
 
   /// Sets air, bore and end without digital filters: enough for all but round_trip() and parts().
   void set_geometry(const Parameters& parameters) noexcept;
-  /// The same with filters for that internal sample rate, Hz.
+  /// As set_geometry(), with filters for this internal sample rate, Hz.
   void set(const Parameters& parameters, double internal_rate) noexcept;
   /// The termination of the bore, which must outlive the design; null: an open end.
   void set_end(const Termination* end) noexcept;
@@ -56,10 +56,10 @@ public:
   /// Reflectance of the end at s (rad/s), extra length included.
   [[nodiscard]] std::complex<double> end_reflection(std::complex<double> s) const noexcept;
 
-  /// Filters and delay for a bore of that length, m.
+  /// Filters and delay for a bore of this length, m.
   [[nodiscard]] RoundTrip round_trip(double length) const noexcept;
-  /// The round trip `whole` in two parts, to a position (m from the reed) and back, and beyond it:
-  /// losses and delay of each.
+  /// Losses and delay of the round trip `whole` in two parts: to a position (m from the reed) and
+  /// back, and beyond that position.
   struct Parts {
     RoundTrip above{}, below{};
   };
@@ -68,7 +68,7 @@ public:
   /// L of the bore whose ideal lowest resonance is f_b: c/(4 f_b) - 0.613 r_e for the cylinder,
   /// c/(2 f_b) - r_0 - 0.613 r_e for the cone, at least 5 mm.
   [[nodiscard]] double length_for(double bore_frequency) const noexcept;
-  /// The inverse: the ideal lowest resonance, Hz, of a bore of that length, m.
+  /// Inverse of length_for(): the ideal lowest resonance, Hz, of a bore of this length, m.
   [[nodiscard]] double ideal_frequency(double length) const noexcept;
   /// The longest bore that the delay line has room for, m.
   [[nodiscard]] double max_length() const noexcept;
@@ -84,7 +84,7 @@ private:
   Parameters parameters_{};
   const Termination* end_ = nullptr;
   DigitalReflection digital_end_{};
-  const Termination* digital_source_ = nullptr; // from which digital_end_ was computed
+  const Termination* digital_source_ = nullptr; // source from which digital_end_ was computed
   double digital_rate_ = 0, digital_ratio_ = 0;
   Air air_ = air_at(20);
   double rate_ = 48000;
@@ -95,7 +95,7 @@ private:
   DigitalOpenEnd open_end_{};
 };
 
-/// Length of a delay line for the longest bore, internal samples, at that internal rate, Hz.
+/// Length of a delay line for the longest bore, internal samples, at this internal rate, Hz.
 [[nodiscard]] int max_delay(double internal_rate) noexcept;
 
 } // namespace tactus::reed

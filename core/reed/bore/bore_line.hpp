@@ -86,7 +86,7 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
-  /// Sets its last count samples to the output of another line of the same size at that delay.
+  /// Sets its last count samples to the output of another line of the same size at this delay.
   void follow(const BoreLine& other, double delay, int count) noexcept {
     const int first = first_of(delay);
     const std::array<double, kPoints> h = weights(delay - first);
@@ -106,7 +106,7 @@ public:
   void advance(int count) noexcept { written_ = (written_ + count) & mask_; }
 
 private:
-  /// Samples back of the most recent of the six points for a delay.
+  /// Age, in samples, of the most recent of the six points for a delay.
   static int first_of(double delay) noexcept { return static_cast<int>(delay) - 2; }
   [[nodiscard]] std::size_t slot(std::ptrdiff_t i) const noexcept {
     return static_cast<std::size_t>(i & mask_);

@@ -22,9 +22,9 @@ namespace tactus::reed {
 ///
 /// One delay line holds the whole round trip (BoreLine), wall losses and open end are filters
 /// behind it (RoundTripFilter; ToneHoleEnd for holes and bells), RadiationPath radiates the sound.
-/// While the register vent is open the line is in two parts that meet there (VentFilter). Length,
-/// filters and vent move linearly within a control period of kControlPeriod samples. A round trip
-/// takes several samples, so that p- of a block is known before the valve moves.
+/// While the register vent is open, the line is in two parts that meet at the vent (VentFilter).
+/// Length, filters and vent move linearly within a control period of kControlPeriod samples. A
+/// round trip takes several samples, so that p- of a block is known before the valve moves.
 ///
 /// V is double, or simd::Lanes for several reeds on equal bores; only the first lane is radiated.
 /// Sample counts are internal ones, after oversampling, unless stated. Only prepare() allocates.
@@ -32,7 +32,7 @@ template <class V, int max_count> class BoreWaveguide {
 public:
   static constexpr double kDenormalLimit = 1e-20; // smaller states become 0: denormals are slow
 
-  /// Room for the longest bore at internal rates up to highest_rate, Hz. Allocates.
+  /// Allocates room for the longest bore at internal rates up to highest_rate, Hz.
   void prepare(double highest_rate) {
     line_.prepare(max_delay(highest_rate));
     below_.prepare(max_delay(highest_rate));
@@ -53,7 +53,7 @@ public:
     vent_filter_.set(vent_, rate());
     trip_due_ = true;
   }
-  /// The same, reached within the control period that begins.
+  /// As set(), but reached within the control period that begins now.
   void glide_to(const Parameters& parameters) noexcept {
     design_.set(parameters, rate());
     trip_from_ = trip_;
@@ -61,7 +61,7 @@ public:
     radiation_to_ = RadiationConstants::from(parameters, design_, rate());
     trip_due_ = gliding_ = true;
   }
-  /// Due at the end of a control period: completes glide_to().
+  /// To be called at the end of a control period: completes glide_to().
   void end_period() noexcept {
     if (gliding_)
       radiation_.set(radiation_to_);
@@ -76,15 +76,15 @@ public:
     trip_due_ = true;
   }
 
-  /// Shifts the pitch by the factor exp(logarithm), by the delay alone: the change of the losses is
-  /// inaudible. length: that of the untrimmed bore, m.
+  /// Shifts the pitch by the factor exp(logarithm), by the delay alone, because the change of the
+  /// losses is inaudible. length: of the untrimmed bore, m.
   void set_trim(double logarithm, double length, BoreShape shape) noexcept {
     const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length) /
                             (shape == BoreShape::kCone ? 2 : 4);
     trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed * sample_rate_ *
                   oversampling_;
   }
-  /// L at the end of the control period that begins, m.
+  /// L at the end of the control period that begins now, m.
   void set_length(double length) noexcept {
     delay_from_ = trip_.delay;
     if (length != length_ || trip_due_) {
@@ -121,7 +121,7 @@ public:
       divided_ = true;
       divide();
       below_.follow(line_, parts_.above.delay, static_cast<int>(trip_.delay) + 8);
-      // Both parts' filters have the same poles: their states scale as the losses do.
+      // The filters of both parts have the same poles, so their states scale as the losses do.
       above_filter_ = filter_;
       scale_losses(parts_.above, trip_, parts_.below, trip_);
       vent_filter_.reset();
@@ -131,8 +131,9 @@ public:
     }
   }
 
-  /// Length over which the sound steepens, m, reached by a one-pole low-pass of this gain: the
-  /// bore's own, or that many wavelengths of the note (Hz) where both are above 0.
+  /// Length over which the sound steepens, m, reached by a one-pole low-pass of this gain. It is
+  /// `wavelengths` times the wavelength of the note (Hz) if both are above 0, else the length of
+  /// the bore.
   void update_steepening_length(double wavelengths, double note, double gain) noexcept {
     if (!(wavelengths > 0) || !(note > 0)) {
       steepening_length_ = length_;
@@ -142,8 +143,8 @@ public:
     steepening_length_ += gain * (length - steepening_length_);
   }
 
-  /// How many samples, at most `wanted`, propagate() may take in one piece, phase samples after the
-  /// control period began.
+  /// Number of samples, at most `wanted`, that propagate() may take in one piece, `phase` samples
+  /// after the beginning of the control period.
   [[nodiscard]] int block_size(int phase, int wanted) noexcept {
     const double above = divided_ ? parts_.above.delay : 0;
     int room = line_.max_block(std::min(delay_at(phase), trip_.delay) - above);
@@ -192,8 +193,8 @@ public:
     radiation_.reset();
     holes_.reset();
   }
-  /// Due once per control period. Also begins the fade to a fingering that waited for the last
-  /// fade.
+  /// To be called once per control period. Also begins the fade to a fingering that waited for the
+  /// last fade.
   void flush_denormals() noexcept {
     const auto flush = [](auto& value) {
       using Value = std::remove_reference_t<decltype(value)>;
@@ -221,7 +222,7 @@ private:
   static constexpr double kVentTime = 5e-3;           // s
   static constexpr double kMinLengthBelowVent = 0.03; // m of line
 
-  /// Internal samples a second, and in a control period.
+  /// Internal samples per second, and per control period.
   [[nodiscard]] double rate() const noexcept { return sample_rate_ * oversampling_; }
   [[nodiscard]] double period() const noexcept {
     return static_cast<double>(kControlPeriod * oversampling_);
@@ -247,7 +248,7 @@ private:
     filter_.each_loss([below_ratio](auto& value) { value = value * below_ratio; });
   }
 
-  /// At the end of the bore: the arriving wave becomes the returning one, in place.
+  /// At the end of the bore: turns the arriving wave into the returning wave, in place.
   [[gnu::noinline, gnu::flatten]] void reflect(V* wave, const RoundTrip& trip, double* leaving,
                                                int count) noexcept {
     typename RoundTripFilter<V>::BlockFilter filter(filter_, trip, radiation_.reflected_weight());
@@ -269,7 +270,7 @@ private:
       }
     }
   }
-  /// The same during glide_to(): the coefficients move linearly from sample to sample.
+  /// As reflect(), during glide_to(): the coefficients move linearly from sample to sample.
   void reflect_gliding(V* wave, double* leaving, int phase, int count) noexcept {
     for (int i = 0; i < count; ++i) {
       const double share = (phase + i + 1) / period();
@@ -296,13 +297,14 @@ private:
   double length_ = 0.48, delay_from_ = 3;  // delay at the beginning of the control period
   double trim_delay_ = 0, untrimmed_delay_ = 3;
   BoreLine<V, max_count> line_, below_; // the whole bore, or its parts above and below the vent
-  RoundTripFilter<V> filter_{};         // to the end of the bore
+  RoundTripFilter<V> filter_{};         // filter to the end of the bore
   ToneHoleEnd<V> holes_{};
 
   RegisterVent vent_{};
   VentFilter<V> vent_filter_{};
-  RoundTripFilter<V> above_filter_{}; // of the line above the vent
-  BoreDesign::Parts parts_{};         // while the line is divided there
+  RoundTripFilter<V> above_filter_{}; // filter of the line above the vent
+  BoreDesign::Parts parts_{};         // parts of the round trip while the line is divided at the
+                                      // vent
   bool divided_ = false;
   int samples_since_vent_ = 0;         // host samples since the vent was open
   double vent_from_ = 0, vent_to_ = 0; // share that is open

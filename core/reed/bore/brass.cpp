@@ -67,7 +67,7 @@ BrassPositions standard_positions(const BrassTube& tube, double note) noexcept {
       best = {natural, semitones};
     }
   }
-  if (shortest > 100) // out of the tube's range: the nearer limit
+  if (shortest > 100) // out of the tube's range: use the nearer limit
     best.semitones = note * 2 < tube.fundamental * 4 ? kSlideSemitones : 0;
   if (tube.has_valves)
     best.semitones = std::round(best.semitones);
@@ -95,7 +95,7 @@ bool within_tube_range(const BrassTube& tube, const Termination& bell, double le
 
 double nearest_natural(const Parameters& parameters, const Termination& bell, double length,
                        double target_hz) noexcept {
-  constexpr int kStarts = 9; // of Newton's iteration, in the octave around target_hz
+  constexpr int kStarts = 9; // starts of Newton's iteration, in the octave around target_hz
   const LinearStability theory(parameters, length, &bell);
   double nearest = 0, min_interval = 1;
   for (int i = 0; i < kStarts; ++i) {

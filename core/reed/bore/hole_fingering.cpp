@@ -18,10 +18,10 @@ using std::numbers::pi;
 constexpr std::size_t kMagnitudes = 132;
 constexpr double frequency(std::size_t i) {
   if (i < 80)
-    return 10 + 25 * static_cast<double>(i); // to 1985
+    return 10 + 25 * static_cast<double>(i); // up to 1985 Hz
   if (i < 112)
-    return 2000 + 62.5 * static_cast<double>(i - 79); // to 4000
-  return 4000 + 200 * static_cast<double>(i - 111);   // to 8000
+    return 2000 + 62.5 * static_cast<double>(i - 79); // up to 4000 Hz
+  return 4000 + 200 * static_cast<double>(i - 111);   // up to 8000 Hz
 }
 /// Frequencies far above the cut-off, where R is taken as 0, with a small weight in the fit. Hz.
 constexpr std::array<double, 4> kHighFrequencies{12e3, 20e3, 40e3, 80e3};

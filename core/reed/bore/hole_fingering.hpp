@@ -12,9 +12,9 @@ namespace tactus::reed {
 /// closed, 0 open, in between partly covered).
 ///
 /// The response beyond the first open hole comes from transfer matrices (HoleLattice) and is
-/// approximated by poles (fit_poles), scaled so that |R| <= 1 at every frequency. Some
-/// milliseconds, about the same for every state; no allocation. False, and fingering unchanged,
-/// where no poles are found.
+/// approximated by poles (fit_poles), scaled so that |R| <= 1 at every frequency. It takes some
+/// milliseconds, about the same for every state, and allocates nothing. If no poles are found, it
+/// returns false and leaves `fingering` unchanged.
 [[nodiscard]] bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
                                 Termination& fingering) noexcept;
 
@@ -25,7 +25,7 @@ public:
   static constexpr std::size_t kSize = 32;
 
   /// Finds or computes a fingering of the woodwind `end`. Null for other ends, another number of
-  /// holes, or where finger_holes() returns false.
+  /// holes, or if finger_holes() returns false.
   [[nodiscard]] const Termination* find(BoreEnd end, std::span<const double> closed) noexcept;
 
 private:

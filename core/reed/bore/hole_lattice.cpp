@@ -13,7 +13,8 @@ namespace {
 using Complex = HoleLattice::Complex;
 using std::numbers::pi;
 constexpr double kSliceLength = 4e-3;   // m, of a cone
-constexpr double kMinHoleRadius = 2e-4; // m, about the boundary layers: a narrower hole is closed
+constexpr double kMinHoleRadius = 2e-4; // m, about the thickness of the boundary layers; a narrower
+                                        // hole counts as closed
 
 double square(double x) { return x * x; }
 
@@ -126,7 +127,8 @@ HoleLattice::PressureFlow HoleLattice::across_hole(Complex s, const OpenHole& ho
   return state;
 }
 
-/// The size of a source is the root of its power, so that a wide opening radiates all it receives.
+/// The strength of a source is the root of its power, so that a wide opening radiates all it
+/// receives.
 double HoleLattice::radiated_pressure(double omega, Complex scale, const Sources& sources,
                                       std::size_t count) noexcept {
   const Air air = air_at(20);

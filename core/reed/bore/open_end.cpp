@@ -18,7 +18,7 @@ DigitalOpenEnd from_coefficients(double b0, double b1, double b2, double p1, dou
 }
 
 bool passive(const DigitalOpenEnd& end) {
-  constexpr int kPoints = 64; // to the Nyquist frequency
+  constexpr int kPoints = 64; // points up to the Nyquist frequency
   for (int i = 1; i <= kPoints; ++i)
     if (std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / kPoints))) > 1)
       return false;

@@ -7,9 +7,9 @@ namespace tactus::reed {
 
 /// Digital filter for the reflection at an open end (OpenEnd): two real poles in cascade,
 ///   first' = p_1 first + c_1 in,   second' = p_2 second + c_2 in + first,   out = d in + second.
-/// The poles are exact, exp(-k c T/r_e). The three other coefficients make R(0) = -1 and the delay
-/// of long waves exact; the one that remains is fitted to R up to 12 kHz (least squares). Where
-/// that would exceed |R| = 1, the bilinear transform of OpenEnd is taken instead.
+/// The poles are exact, exp(-k c T/r_e). Two of the three other coefficients make R(0) = -1 and the
+/// delay of long waves exact; the third is fitted to R up to 12 kHz (least squares). If the fit
+/// would exceed |R| = 1, the bilinear transform of OpenEnd is taken instead.
 struct DigitalOpenEnd {
   std::array<double, 2> pole{}, input{}; // p_1, p_2 and c_1, c_2
   double direct = -1;                    // d

@@ -12,12 +12,12 @@ using Complex = std::complex<double>;
 constexpr std::size_t kMaxPoles = 2 * Termination::kReflectionBlocks;
 constexpr std::size_t kMaxUnknowns = 2 * kMaxPoles + 1;
 constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
-constexpr int kIterations = 12;    // of moving the poles
-constexpr int kRootSteps = 60;     // of Aberth's iteration
+constexpr int kIterations = 12;    // iterations that move the poles
+constexpr int kRootSteps = 60;     // steps of Aberth's iteration
 constexpr double kRealRoot = 1e-6; // |imaginary part|/|root| below which a root is real
-// Bounds of the poles. One nearer to the frequency axis than the points' spacing, or beyond all
-// points, is not determined by them and may make |R| > 1.
-constexpr double kMinDamping = 4e-3;      // of the pole's size
+// Bounds of the poles. A pole nearer to the frequency axis than the spacing of the points, or
+// beyond all points, is not determined by the points and may make |R| > 1.
+constexpr double kMinDamping = 4e-3;      // share of the pole's size
 constexpr double kMaxPoleMagnitude = 2e5; // rad/s
 
 /// Poles; of each conjugate pair the one with the positive imaginary part comes first.
@@ -60,7 +60,7 @@ public:
       if (!(length > 1e-14))
         continue;
       const double pivot = matrix_[k][k], diagonal = pivot > 0 ? -length : length;
-      matrix_[k][k] = pivot - diagonal; // the reflection's vector stands in this column
+      matrix_[k][k] = pivot - diagonal; // this column holds the vector of the reflection
       const double factor = 1 / (diagonal * (pivot - diagonal));
       std::array<double, kMaxUnknowns> projections{};
       double rhs = 0;
@@ -126,8 +126,8 @@ std::array<Complex, kMaxPoles> residues_of(const Poles& poles, std::span<const d
   return residues;
 }
 
-/// Zeros of d + sum r s/(s - p), all at once (Aberth 1973), turned into the left half plane.
-/// False where they are not found.
+/// Zeros of d + sum r s/(s - p), all at once (Aberth 1973), turned into the left half plane. False
+/// if they are not found.
 bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>& residues,
               Poles& zeros) {
   std::array<Complex, kMaxPoles> z{};
@@ -266,7 +266,7 @@ bool fit_poles(std::span<const ResponsePoint> points, double dc_value, double ma
     return false;
   const auto residues = residues_of(poles, x);
   std::size_t block = 0;
-  double single_pole = 0, single_residue = 0; // a real pole that still lacks its second
+  double single_pole = 0, single_residue = 0; // a real pole that waits for a second one
   bool has_single = false;
   for (std::size_t k = 0; k < poles.count; ++k)
     if (poles.pairs(k)) {
@@ -309,7 +309,7 @@ double largest_response(double dc_value, std::span<const Termination::Block> blo
     before = here;
     here = next;
   }
-  for (const Termination::Block& block : blocks) // a peak narrower than the steps
+  for (const Termination::Block& block : blocks) // the peak may be narrower than the steps
     if (block.oscillates && std::abs(block.a) < 0.1 * std::abs(block.b)) {
       const double width = -2 * block.a / std::abs(block.b), at = std::log(std::abs(block.b));
       for (int k = -2; k < 2; ++k)

@@ -19,8 +19,9 @@ inline constexpr std::size_t kMaxResponsePoints = 192;
 /// vector fitting (Gustavsen & Semlyen 1999, relaxed: Gustavsen 2006).
 ///
 /// The poles lie in the left half plane, two per block; the first guesses are resonances up to
-/// max_omega, rad/s. Bounded work, no allocation. Returns false, with the blocks unchanged, when a
-/// response is no number, or there are too few or too many points, or the equations are singular.
+/// max_omega, rad/s. Bounded work, no allocation. Returns false, with the blocks unchanged, if a
+/// response is not a number, if there are too few or too many points, or if the equations are
+/// singular.
 [[nodiscard]] bool fit_poles(std::span<const ResponsePoint> points, double dc_value,
                              double max_omega, std::span<Termination::Block> blocks) noexcept;
 

@@ -11,8 +11,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// (1 - x)(n_0 + n_1 x), x = z^-1, as b_0 + b_1 x + b_2 x^2: rises from 0 as `slope` times 1 - x,
-/// and has the magnitude size(omega T, x) at 8 kHz.
+/// (1 - x)(n_0 + n_1 x), x = z^-1, as b_0 + b_1 x + b_2 x^2: it rises from 0 as `slope` times 1 -
+/// x, and has the magnitude size(omega T, x) at 8 kHz.
 template <class Size>
 std::array<double, 3> numerator(double slope, double period, const Size& size) {
   const double omega = std::min(2 * std::numbers::pi * 8e3 * period, 2.0);
@@ -46,7 +46,7 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
   const double opening = p.shape == BoreShape::kCone
                              ? p.input_radius * (1 + p.length / p.apex_distance)
                              : p.input_radius;
-  const double corner = cutoff * opening / speed; // over w_c
+  const double corner = cutoff * opening / speed; // corner frequency relative to w_c
   // Its poles are w_c (-g +- sqrt(g^2 - 1)), g = 1/2Q.
   const double angle = cutoff * period, damping = 0.5 / p.bell_quality;
   const double decay = std::exp(-damping * angle), discriminant = 1 - damping * damping;

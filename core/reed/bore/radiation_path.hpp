@@ -6,8 +6,8 @@
 
 namespace tactus::reed {
 
-/// Coefficients of the filter from the wave a at the end of the bore to the sound pressure p at
-/// d = 1 m, averaged over all directions (Pa to Pa), for one internal sample rate.
+/// Coefficients of the filter from the wave a at the end of the bore to the sound pressure p at d =
+/// 1 m, averaged over all directions (Pa to Pa), for one internal sample rate.
 ///
 /// Plain open end (bell = 0): a point source of the flow that leaves it, b the reflected wave,
 ///   p = rho/(4 pi d) d/dt (a - b)/Z_0.
@@ -24,8 +24,8 @@ namespace tactus::reed {
 /// Gilbert, Msallam & Wijnands 1996)
 ///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a   seconds.
 /// Steepening computes it, shocks included. The bore itself is linear: in it the return path undoes
-/// the steepening of the outward path (docs/results/greed.md). brassiness > 1 stands for a louder
-/// wave than the bore's own.
+/// the steepening of the outward path (docs/results/greed.md). brassiness > 1 represents a wave
+/// that is louder than the wave in the bore.
 struct RadiationConstants {
   bool plain = true; // bell = 0
   // y = b0 x + b1 x_1 + b2 x_2 - a1 y_1 - a2 y_2: poles, slope at 0 Hz and gain at 8 kHz are exact.
@@ -35,7 +35,7 @@ struct RadiationConstants {
 
   static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
                                  double internal_rate) noexcept;
-  /// Linear interpolation, share in 0..1, between two of the same kind.
+  /// Linear interpolation, share in 0..1, between two sets of constants of the same kind.
   static RadiationConstants interpolate(const RadiationConstants& from,
                                         const RadiationConstants& to, double share) noexcept;
 };
@@ -70,7 +70,7 @@ public:
       if (size(*value) < 1e-20)
         *value = 0;
   }
-  /// Whether steepen() changes the wave.
+  /// True if steepen() changes the wave.
   [[nodiscard]] bool steepens() const noexcept { return constants_.lead > 0; }
 
   /// The filter for a block of samples, with coefficients and state in registers; its destructor
@@ -113,7 +113,7 @@ public:
       wave[i] = output_filter(wave[i]);
   }
 
-  /// The steepening of run() alone, where another filter follows.
+  /// The steepening of run() alone, if another filter follows.
   void steepen(double* wave, int count, double length) noexcept {
     if (steepens())
       steepening_.run(wave, count, constants_.lead * length);

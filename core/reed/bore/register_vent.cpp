@@ -10,8 +10,9 @@
 namespace tactus::reed {
 
 RegisterVent RegisterVent::of(const Parameters& parameters) noexcept {
-  constexpr double kPi = std::numbers::pi, kInner = 0.82; // of the radius; a hole far narrower than
-                                                          // the bore (Nederveen et al. 1998)
+  constexpr double kPi = std::numbers::pi, kInner = 0.82; // kInner: share of the radius; a hole far
+                                                          // narrower than the bore (Nederveen et
+                                                          // al. 1998)
   RegisterVent vent;
   const Woodwind* const instrument = woodwind(parameters.end);
   if (instrument == nullptr)

@@ -15,9 +15,10 @@ namespace tactus::reed {
 ///
 /// The flow U (m^3/s) through the hole follows from the pressure p (Pa) in the bore,
 ///   M U' + R U + N U|U| = p,   N = kSeparation rho/(2 A^2),
-/// M the inertance of its air (kg/m^4; chimney and end corrections), R its friction at
-/// kFrictionFrequency_hz (Pa s/m^3), A its cross-section (m^2). The last term is the kinetic energy
-/// lost by the jet that leaves the hole; at large amplitudes it exceeds the friction.
+/// where M is the inertance of the hole's air (kg/m^4; chimney and end corrections), R the hole's
+/// friction at kFrictionFrequency_hz (Pa s/m^3), A its cross-section (m^2). The last term is the
+/// kinetic energy lost by the jet that leaves the hole; at large amplitudes it exceeds the
+/// friction.
 ///
 /// Waves a and b (Pa) arrive from above and below. With q = Z_0 U/2, Z_0 = rho c/S of the bore at
 /// the hole (also in a cone), p = a + b - q; b - q travels up, a - q down. A vent that is partly
@@ -31,9 +32,9 @@ struct RegisterVent {
   double position = 0;   // m, from the reed's end of the line
   double share = 0;      // H(0); 0: there is no vent
   double corner = 1;     // corner frequency of H, rad/s
-  double separation = 0; // 4 N/Z_0^2 of q, times share: 1/Pa
+  double separation = 0; // factor of q|q|: 4 N/Z_0^2 times share, 1/Pa
 
-  /// The vent of the instrument Parameters::end; share 0 where that has none.
+  /// The vent of the instrument Parameters::end; share 0 if the instrument has none.
   [[nodiscard]] static RegisterVent of(const Parameters& parameters) noexcept;
   /// H(s), s in rad/s.
   [[nodiscard]] std::complex<double> at(std::complex<double> s) const noexcept {
@@ -70,9 +71,9 @@ public:
   struct Opening {
     double start, step;
   };
-  /// Scatters count samples in place. above: the wave from the reed becomes the one back to it.
-  /// below: the wave from below becomes the one that goes down. losses: RoundTripFilter of the part
-  /// above.
+  /// Scatters count samples in place. above: the wave from the reed is replaced by the wave back to
+  /// the reed. below: the wave from below is replaced by the wave that goes down. losses:
+  /// RoundTripFilter of the part above.
   template <class Losses>
   void pass(Losses& losses, V* above, V* below, const Opening& open, int count) noexcept {
     V q = q_;

@@ -34,7 +34,7 @@ template <class V> struct LossStates {
   }
 
 private:
-  // Written out: compilers keep an array in registers when every index is a constant.
+  // Written out, because compilers keep an array in registers when every index is a constant.
   template <std::size_t... k>
   [[gnu::always_inline]] void step(const LossStates& pole, const LossStates& gain, const V& in,
                                    std::index_sequence<k...>) noexcept {
@@ -94,7 +94,7 @@ public:
     change(end_[1]);
   }
 
-  /// The same for the wall loss alone.
+  /// Calls change(V&) for each number of the state of the wall loss alone.
   template <class Change> void each_loss(Change change) noexcept { loss_.each(change); }
 
   /// The filter for a block of samples, with coefficients and state in registers; its destructor

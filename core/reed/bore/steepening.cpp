@@ -8,13 +8,13 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kNoPotential = -1e300;
-// Psi grows with the mean of the wave. Above this it starts again from 0; the rounding error is
-// then 1e-8 Pa.
+// Psi grows with the mean of the wave. Above this limit it starts again from 0; the rounding error
+// at the limit is 1e-8 Pa.
 constexpr double kRebaseLimit = 1e8; // Pa samples
 
-/// Weights of int a dt between two samples, from those two and two on either side: exact for cubic
-/// polynomials and for a sine of 0.227 of the sample rate (10 kHz at 44.1 kHz), within 0.04 dB
-/// below.
+/// Weights of int a dt between two samples, from these two samples and two on either side. They are
+/// exact for cubic polynomials and for a sine of 0.227 of the sample rate (10 kHz at 44.1 kHz), and
+/// within 0.04 dB below this frequency.
 constexpr double kInner = 0.56562322, kMiddle = -0.07760149, kOuter = 0.01197827;
 static_assert(2 * (kInner + kMiddle + kOuter) == 1);
 
@@ -40,7 +40,7 @@ void Steepening::set_rate(double rate) noexcept {
     return;
   rate_ = rate;
   limit_ = kMaxShift * rate;
-  max_shift_ = static_cast<int>(limit_) + 1; // strictly farther, whatever rounding does
+  max_shift_ = static_cast<int>(limit_) + 1; // strictly above limit_, whatever the rounding
   reset();
 }
 
@@ -58,7 +58,7 @@ void Steepening::rebase(double& potential) noexcept {
   potential = 0;
 }
 
-// One piece: the loops hand arrays of a run to each other, which stay on the stack.
+// One function, because its loops pass arrays of a run to each other, which stay on the stack.
 void Steepening::run(double* wave, int count, double lead) noexcept {
   if (count < 1 || count > kMaxRun || grid_.empty())
     return;
@@ -69,7 +69,7 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
   for (int i = 0; i < count; ++i)
     grid_[slot(max_shift_ + 1 + i)] = kNoPotential;
 
-  // Nodes 0 to count; node 0 is the last one of the previous run. Times are relative to each node,
+  // Nodes 0 to count; node 0 is the last node of the previous run. Times are relative to each node,
   // so that rounding does not depend on how the stream is cut into runs.
   const double max_pressure = std::min(limit_ / lead, 1e300); // a lead of 0 moves nothing
   std::array<double, kMaxRun + 1> bounded, shift, loss;

@@ -16,7 +16,7 @@ namespace tactus::reed {
 /// Both follow from the potential Psi(tau) = int y dtau of the arriving wave y. Along the piece
 /// that left at t,
 ///   Psi = int a dt - lead c^2/2,   c = s/lead.
-/// Of several pieces that arrive together the one with the largest Psi counts (Hopf-Lax formula;
+/// If several pieces arrive together, the piece with the largest Psi counts (Hopf-Lax formula;
 /// equal potentials mean equal areas). Psi is interpolated at the sample times by cubic Hermite
 /// polynomials whose slope at each node is the pressure there. The output is the increment of Psi
 /// over each sample, which is the mean of y over that sample. A shock therefore keeps its time
@@ -36,7 +36,7 @@ public:
   /// The sample rate, Hz, at most that of prepare(). A new rate starts from silence.
   void set_rate(double rate) noexcept;
   void reset() noexcept;
-  /// Delay of a weak wave, samples; half of one is that of the mean.
+  /// Delay of a weak wave, samples; half a sample of it comes from the mean.
   [[nodiscard]] double delay() const noexcept { return max_shift_ + kLookAhead + 1.5; }
   /// False when the input was NaN or unbounded.
   [[nodiscard]] bool is_bounded() const noexcept { return is_bounded(potential_); }
@@ -55,7 +55,7 @@ private:
   static bool is_bounded(double potential) noexcept {
     return potential < 1e300 && potential > -1e300;
   }
-  /// floor(time) of times not before -kMaxShift.
+  /// floor(time) for times not below -kMaxShift.
   [[nodiscard]] int floor(double time) const noexcept {
     return static_cast<int>(time + (max_shift_ + 1)) - (max_shift_ + 1);
   }
@@ -73,7 +73,7 @@ private:
   int max_shift_ = 0; // whole samples, more than kMaxShift
   double limit_ = 0, rate_ = 0;
   double history_[kHistory] = {};
-  double shift_ = 0, potential_ = 0, lead_ = 0; // of the last node
+  double shift_ = 0, potential_ = 0, lead_ = 0; // values of the last node
 };
 
 } // namespace tactus::reed

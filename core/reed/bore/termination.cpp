@@ -71,11 +71,11 @@ const Termination* fingering_for(BoreEnd end, double frequency_hz) noexcept {
 namespace {
 
 /// One free real number of a DigitalBlocks, which multiplies x/(1 - q x), x = z^-1, or the even or
-/// odd combination of that with the same for q*.
+/// odd combination of this term with the term for q*.
 struct FreeParameter {
   enum class Kind { kReal, kEven, kOdd } kind;
   Complex digital_pole; // q
-  double value = 0;     // at first that of a sampled impulse response
+  double value = 0;     // value, at first that of a sampled impulse response
   [[nodiscard]] Complex at(Complex x) const {
     const Complex one = x * inverse(1.0 - digital_pole * x);
     if (kind == Kind::kReal)

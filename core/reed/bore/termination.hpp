@@ -32,7 +32,7 @@ struct Termination {
 
   int key = 0;             // MIDI number of the note, as it sounds
   double dc_value = -1;    // R(0)
-  double extra_length = 0; // m: pure delay, there and back, that R does not contain
+  double extra_length = 0; // m: pure delay, forth and back, that R does not contain
   std::array<Block, kReflectionBlocks> reflection{};
   std::array<Block, kRadiationBlocks> radiation{}; // T(0) = 0
 
@@ -45,7 +45,7 @@ struct Termination {
   [[nodiscard]] double length_correction() const noexcept;
 };
 
-/// Fingerings of an instrument, from low to high, one a semitone; empty for the open end.
+/// Fingerings of an instrument, from low to high, one per semitone; empty for the open end.
 [[nodiscard]] std::span<const Termination> terminations(BoreEnd end) noexcept;
 
 /// The bell of a brass instrument, the same for every note (one row, key 0); empty for others.
@@ -64,7 +64,7 @@ template <int blocks> struct DigitalBlocks {
   double direct = 0;
   std::array<double, blocks> a{}, e{}, w{}, g{}, h{};
 
-  /// Designs the filter: rate in Hz, speed_ratio = c/c_20, gain a factor on H. Some 25 us.
+  /// Designs the filter: rate in Hz, speed_ratio = c/c_20, gain a factor on H. Takes about 25 us.
   void set(const std::array<Termination::Block, blocks>& analog, double dc_value, double rate,
            double speed_ratio, double gain) noexcept;
   /// Response at back = z^-1.

@@ -27,7 +27,7 @@ public:
       design(i);
   }
   /// Sets the next fingering, which must outlive its use; null: no holes. Changes to or from null
-  /// are immediate, others wait for start_pending_fade().
+  /// are immediate; other changes wait for start_pending_fade().
   void finger(const Termination* termination) noexcept {
     target_ = termination;
     if (termination == nullptr || fingerings_[current_] == nullptr) {
@@ -38,7 +38,8 @@ public:
     }
   }
   [[nodiscard]] bool active() const noexcept { return fingerings_[current_] != nullptr; }
-  /// Between blocks: begins the fade to the fingering set last, once the previous fade has ended.
+  /// To be called between blocks: begins the fade to the fingering set last, once the previous fade
+  /// has ended.
   void start_pending_fade() noexcept {
     if (reflection_fade_ < 1 || radiation_fade_ < 1 || target_ == fingerings_[current_])
       return;
@@ -55,12 +56,12 @@ public:
     for (auto& filter : radiation_filters_)
       filter.reset();
   }
-  /// Calls change() for each number of the state inside the bore,
+  /// Calls change() for each number of the state inside the bore.
   template <class Change> void each(Change change) noexcept {
     for (auto& filter : reflection_filters_)
       filter.each(change);
   }
-  /// and outside.
+  /// Calls change() for each number of the state outside the bore.
   template <class Change> void each_radiation(Change change) noexcept {
     for (auto& filter : radiation_filters_)
       filter.each(change);
@@ -112,7 +113,7 @@ private:
   const Termination* target_ = nullptr;
   std::size_t current_ = 0;
   double rate_ = 48000, speed_ratio_ = 1, radius_ = 7.5e-3, step_ = 1;
-  double reflection_fade_ = 1, radiation_fade_ = 1; // of the new fingering, inside and outside
+  double reflection_fade_ = 1, radiation_fade_ = 1; // fade of the new fingering, inside and outside
   std::array<DigitalReflection, 2> reflection_designs_{};
   std::array<DigitalRadiation, 2> radiation_designs_{};
   std::array<TerminationFilter<V, Termination::kReflectionBlocks>, 2> reflection_filters_{};

@@ -8,10 +8,11 @@
 namespace tactus::reed {
 
 /// Coefficient G (s^(1/2)) of the wall loss exp(-G sqrt(s)): viscous and thermal attenuation and
-/// dispersion over one round trip of a bore of that length (m).
+/// dispersion over one round trip of a bore of this length (m).
 ///   G = wall_loss * 2L (sqrt(nu) + (gamma - 1) sqrt(nu/Pr))/(c r_m)
-/// r_m is the radius, of a cone its logarithmic mean (r_1 - r)/ln(r_1/r). This is the first-order
-/// term of Kirchhoff's solution, valid while the boundary layer is thin relative to the radius.
+/// r_m is the radius, or for a cone its logarithmic mean (r_1 - r)/ln(r_1/r). This is the
+/// first-order term of Kirchhoff's solution, valid while the boundary layer is thin relative to the
+/// radius.
 [[nodiscard]] inline double wall_loss(const Parameters& p, double length,
                                       double sound_speed) noexcept {
   double radius = p.input_radius;

@@ -9,7 +9,7 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kEndCorrection = 0.02;  // m
-constexpr double kWidestHole = 0.9;      // of the bore's radius
+constexpr double kWidestHole = 0.9;      // share of the bore's radius
 constexpr double kBenade = 0.11;         // f_c = 0.11 c (b/a) sqrt(1/(s t_e)),
 constexpr double kOuterCorrection = 1.5; // t_e = t + 1.5 b, s half the distance to the next hole
 

@@ -15,27 +15,28 @@ namespace tactus::reed {
 /// its sources, is in bench/reed_bores/bores.py.
 struct Woodwind {
   struct Corner {
-    double distance, ratio; // from the last hole's position; radius over the bore's there
+    double distance, ratio; // distance from the last hole's position; radius relative to the bore's
+                            // at that hole
   };
   struct Hole {
-    double position, radius, height; // position from the reed's end, of a cone from its apex
+    double position, radius, height; // position from the reed's end, or for a cone from its apex
   };
   static constexpr int kBellCorners = 5;
   static constexpr std::size_t kMaxToneHoles = 32;
 
   int lowest_key = 50, highest_key = 70; // MIDI; all tone holes closed, all open
   double input_radius = 7.5e-3;
-  double apex = 0;        // from the apex to the reed's end; 0: cylinder
-  double cutoff = 1500;   // of the lattice, Hz; at its lowest hole where it rises
+  double apex = 0;        // distance from the apex to the reed's end; 0: cylinder
+  double cutoff = 1500;   // cut-off of the lattice, Hz; if it rises, at the lowest hole
   double chimney = 8e-3;  // height of the tone holes
   double cutoff_rise = 0; // the cut-off rises with the note's frequency to this power
-  int cutoff_top = 127;   // up to this key's hole
+  int cutoff_top = 127;   // the cut-off rises up to this key's hole
   std::array<Corner, kBellCorners> bell{};
   int bell_corners = 0;
-  Hole vent{};                // the register vent; position from the reed's end, also of a cone
+  Hole vent{};                // the register vent; position from the reed's end, also for a cone
   int overblow_interval = 19; // semitones by which the open vent raises a fingering's note
 
-  /// Position of a note's first open hole; that of the lowest note is the beginning of the bell.
+  /// Position of a note's first open hole; for the lowest note, the beginning of the bell.
   [[nodiscard]] double position(double key) const noexcept;
   /// Cut-off of the lattice around a note's first open hole, Hz.
   [[nodiscard]] double cutoff_at(int key) const noexcept;

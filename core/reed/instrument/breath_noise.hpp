@@ -11,15 +11,15 @@
 
 namespace tactus::reed {
 
-/// Noise of the breath, of the same power in each hertz at any rate: a random share of the jet's
-/// pressure. V is that of ReedBank; all lanes have the same noise.
+/// Noise of the breath: a random share of the jet's pressure, with the same power in each hertz at
+/// any rate. V is that of ReedBank; all lanes have the same noise.
 template <class V, int max_count> class BreathNoise {
 public:
   void seed(unsigned value) noexcept { random_.seed(value); }
 
   struct Breath {
     const V* mouth_pressure;
-    const double* noise; ///< of the jet, relative; null: none
+    const double* noise; ///< noise of the jet, relative; null: none
   };
   /// The breath of the next count internal samples at this rate, Hz. `share`:
   /// Parameters::breath_noise.

@@ -8,14 +8,14 @@
 namespace tactus::reed {
 
 /// Hides a change that cannot be interpolated (a switch, a word, a number far away:
-/// can_interpolate()), stepped once per control period: the sound fades out, the instrument is
-/// changed, its transient passes unheard, and the sound fades in. Where the air cannot continue
-/// (can_continue()) it starts from rest in that silence, with a mouth pressure that rises slowly,
+/// can_interpolate()). It is stepped once per control period. The sound fades out, the instrument
+/// is changed, its transient passes unheard, and the sound fades in. If the air cannot continue
+/// (can_continue()), it starts from rest in that silence, with a mouth pressure that rises slowly,
 /// so that no attack is heard.
 class ChangeFade {
 public:
   static constexpr double kFadeOutTime = 0.008, kFadeInTime = 0.03; ///< s
-  /// Silence after a change, s: of a note that continues, and of one that starts from rest.
+  /// Silence after a change, s: for a note that continues, and for a note that starts from rest.
   static constexpr double kSettleTime = 0.03, kRestartTime = 0.15;
 
   void prepare(double control_rate) noexcept {
@@ -28,11 +28,11 @@ public:
   /// The change is a restart from rest.
   void begin_restart() noexcept { fades_out_ = restarts_ = true; }
   [[nodiscard]] bool restarts() const noexcept { return restarts_; }
-  /// Whether the sound fades out for a change.
+  /// True if the sound fades out for a change.
   [[nodiscard]] bool fades_out() const noexcept { return fades_out_; }
-  /// The change has been made, or another that includes it.
+  /// To be called when the change, or another that includes it, has been made.
   void changed() noexcept { fades_out_ = restarts_ = false; }
-  /// Begins the silence after the change. restarted: from rest.
+  /// Begins the silence after the change. restarted: the air starts from rest.
   void begin_silence(bool restarted) noexcept {
     silence_left_ = restarted ? restart_periods_ : settle_periods_;
     if (restarted)
@@ -43,7 +43,7 @@ public:
     from_ = to_ = breath_from_ = breath_to_ = 1;
     silence_left_ = 0;
   }
-  /// Once per control period; true when the sound has faded out: the change is due.
+  /// To be called once per control period. True when the sound has faded out and the change is due.
   bool step() noexcept {
     from_ = to_;
     breath_from_ = breath_to_;
@@ -60,8 +60,9 @@ public:
 
   /// Factor of all outputs at the end of this control period.
   [[nodiscard]] double gain() const noexcept { return to_; }
-  /// The same for the mouth pressure, which rises slowly after a restart. It does not fall while
-  /// the sound fades out, because a reed that is released emits a pulse.
+  /// Factor of the mouth pressure at the end of this control period. It rises slowly after a
+  /// restart. It does not fall while the sound fades out, because a reed that is released emits a
+  /// pulse.
   [[nodiscard]] double breath_gain() const noexcept { return breath_to_; }
   /// Apply the factors to count samples, the first of them `phase` samples after the beginning of
   /// the control period.

@@ -15,11 +15,12 @@ public:
     gain_ = 1 - std::exp(-kControlPeriod / (kTime * sample_rate));
     max_immediate_step_ = kMaxImmediateRate * kControlPeriod / sample_rate;
   }
-  /// Of the one-pole low-pass.
+  /// Gain of the one-pole low-pass.
   [[nodiscard]] double gain() const noexcept { return gain_; }
-  /// The step of a number of this size towards a target at this difference: a one-pole low-pass of
-  /// kTime. Of what a player moves, the part below kMaxImmediateRate is followed at once, so that
-  /// glides and vibrato have no delay; only the rest of a leap is low-passed.
+  /// The step of a number of the given size towards a target at the given difference: a one-pole
+  /// low-pass of kTime. If a player moves the number (`played`), motion below kMaxImmediateRate is
+  /// followed at once, so that glides and vibrato have no delay; only the rest of a leap is
+  /// low-passed.
   [[nodiscard]] V step(const V& difference, const V& size, bool played) const noexcept {
     const V part = V(gain_) * difference;
     if (!played)

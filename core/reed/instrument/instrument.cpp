@@ -16,7 +16,8 @@ template <class S> void copy_output(const double* value, S* out, std::size_t cou
 
 constexpr double kHighestFrequency = 1e6; // Hz, above the range of every parameter
 
-/// A control that is not finite leaves the last good value. All values below 0 mean the same.
+/// A control that is not finite leaves the last good value. All values below 0 have the same
+/// meaning.
 void update_control(double& last_good, double value) noexcept {
   if (std::isfinite(value))
     last_good = std::clamp(value, 0.0, kHighestFrequency);
@@ -85,7 +86,7 @@ void Instrument::read_mouth_pressure(double* mouth, std::size_t count) noexcept 
   last_pressure_ = mouth[count - 1];
 }
 
-/// Pressure at 1 m (Pa) to the sound, in place.
+/// Converts the pressure at 1 m (Pa) to the sound, in place.
 void Instrument::apply_gain(double* radiated, std::size_t count) const noexcept {
   if (gain_step_ != 0) {
     const auto left = static_cast<double>(bank_.until_control());

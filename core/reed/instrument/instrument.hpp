@@ -27,7 +27,7 @@ public:
   /// starts the air from rest. Blocks may have any size, independent of max_block.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (clamped()). While the instrument sounds, numbers are
-  /// interpolated over some 16 ms; switches and words fade the sound out and in (ChangeFade).
+  /// interpolated over about 16 ms; switches and words fade the sound out and in (ChangeFade).
   /// Another oversampling starts the air from rest.
   void set(const Parameters& parameters) noexcept {
     if (parameters.end != bank_.parameters().end)
@@ -44,7 +44,7 @@ public:
   /// Returns false, without any change, when the end has another number of holes, a number is not
   /// within 0..1 or no filter is found.
   [[nodiscard]] bool finger_holes(std::span<const double> closed) noexcept;
-  /// Back to the standard fingerings of notes.
+  /// Returns to the standard fingerings of notes.
   void release_holes() noexcept { bank_.finger(nullptr); }
   /// Sets valve and air to rest and restarts the noise sequence.
   void reset() noexcept;
@@ -57,11 +57,11 @@ public:
   /// Notes outside Parameters::lowest_note..highest_note, which the player refused (with `tune`).
   [[nodiscard]] const Refusal& refusal() const noexcept { return bank_.refusal(); }
 
-  /// Control signals of a block. NaN means the last good value; an infinite frequency too.
+  /// Control signals of a block. NaN or an infinite frequency means the last good value.
   template <class S> struct Controls {
     std::span<const S> mouth_pressure; ///< p_m, Pa
-    std::span<const S> reed_frequency; ///< f_r, Hz; not above 0: the parameters' own
-    std::span<const S> bore_frequency; ///< f_b, Hz; not above 0: the parameters' length
+    std::span<const S> reed_frequency; ///< f_r, Hz; 0 or less: that of the parameters
+    std::span<const S> bore_frequency; ///< f_b, Hz; 0 or less: the parameters' length
   };
   /// Output signals of a block. With oversampling 2 (4) all four are 7.5 (9.25) samples late.
   template <class S> struct Outputs {
@@ -70,7 +70,7 @@ public:
     std::span<S> bore_pressure; ///< p_b, Pa
     std::span<S> flow;          ///< U, m^3/s
   };
-  /// One block; all spans have the same length, outputs may be inputs.
+  /// Computes one block; all spans have the same length, and outputs may be inputs.
   template <class S> void process(const Controls<S>& in, const Outputs<S>& out) noexcept;
 
 private:
@@ -82,9 +82,10 @@ private:
   void read_mouth_pressure(double* mouth, std::size_t count) noexcept;
   void apply_gain(double* radiated, std::size_t count) const noexcept;
 
-  double gain_ = 0, gain_step_ = 0;        // at the end of this control period; change within it
-  double target_gain_ = 0, gain_rate_ = 0; // of the ramp; per control period
-  double gain_periods_ = 1;                // of a ramp
+  double gain_ = 0, gain_step_ = 0;        // gain at the end of this control period; change within
+                                           // it
+  double target_gain_ = 0, gain_rate_ = 0; // target of the ramp; change per control period
+  double gain_periods_ = 1;                // control periods of a ramp
   bool gain_unset_ = true;                 // not yet taken from the parameters
   double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };

@@ -11,7 +11,8 @@ namespace tactus::reed {
 namespace {
 
 // Range of the round trip's turns over which a glide keeps its mode, relative to the instrument's
-// own. It is narrower for a cone: one of twice the length is wide at its end and resonates weakly.
+// own. It is narrower for a cone, because a cone of twice the length is wide at its end and
+// resonates weakly.
 constexpr double kMinTurnRatio = 0.3, kMaxTurnRatioCylinder = 2.5, kMaxTurnRatioCone = 1.6;
 
 } // namespace
@@ -34,7 +35,7 @@ double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexc
 
 double LengthTable::length(double bore_frequency, double reed_frequency, bool leap,
                            const Fingering& fingering) noexcept {
-  constexpr double kMaxReedChange = 0.01; // of f_r, relative, until the table is recomputed
+  constexpr double kMaxReedChange = 0.01; // relative change of f_r up to which the table is kept
   if (!(parameters_.embouchure > 0) &&
       !(std::abs(reed_frequency - reed_frequency_) < kMaxReedChange * reed_frequency)) {
     steps_ = {};
@@ -50,7 +51,7 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
   const auto step = static_cast<std::size_t>(at);
   const double share = at - static_cast<double>(step), below = turns_at(step, fingering);
   double difference = turns_at(step + 1, fingering) - below;
-  difference -= std::round(difference); // the step above may have taken another mode
+  difference -= std::round(difference); // the step above may have switched to another mode
   double turns = below + share * difference;
   if (parameters_.type == ValveType::kOpen) {
     const double nominal_turns = round_trip_turns(

@@ -15,9 +15,9 @@ namespace tactus::reed {
 /// Between the entries the phase of the bore's round trip at the note, in turns, is interpolated
 /// linearly. Valve and open end determine that phase, and it varies slowly with the note.
 ///
-/// A blown-open valve plays one of several modes of a longer bore. While f_b glides it stays on its
-/// mode, as long as the bore is not much shorter or longer than the instrument's own. A note that
-/// is reached by a leap takes the mode whose bore is nearest to that length.
+/// A blown-open valve plays one of several modes of a longer bore. While f_b glides, the valve
+/// stays on its mode, as long as the bore is not much shorter or longer than the instrument's own.
+/// A note that is reached by a leap takes the mode whose bore is nearest to that length.
 ///
 /// Fixed size, no allocation; at most two searches per call of length(), 6 to 16 us each.
 class LengthTable {
@@ -25,8 +25,8 @@ public:
   /// Sets the instrument and clears the table. same_mode: the next note stays on the mode of the
   /// last one, as in a glide.
   void set(const Parameters& parameters, bool same_mode) noexcept;
-  /// L, m, for a note bore_frequency at that f_r, both in Hz, with that fingering.
-  /// leap: the note was not reached by gliding.
+  /// L, m, for a note bore_frequency at the given f_r, both in Hz, with the given fingering. leap:
+  /// the note was not reached by gliding.
   [[nodiscard]] double length(double bore_frequency, double reed_frequency, bool leap,
                               const Fingering& fingering = {}) noexcept;
 
@@ -35,9 +35,9 @@ private:
   static constexpr double kSteps = 24; // entries per octave
   static constexpr std::size_t kCount = 220;
   struct Step {
-    double turns = 0; // of the round trip
+    double turns = 0; // turns of the round trip
     bool computed = false;
-    Fingering fingering{}; // for which it was computed
+    Fingering fingering{}; // fingering for which it was computed
   };
 
   double turns_at(std::size_t step, const Fingering& fingering) noexcept;
@@ -45,7 +45,7 @@ private:
   Parameters parameters_{};
   double reed_frequency_ = 0; // f_r for which the steps were computed, Hz
   std::array<Step, kCount> steps_{};
-  std::optional<double> turns_{}; // of the last note
+  std::optional<double> turns_{}; // turns of the last note
 };
 
 } // namespace tactus::reed

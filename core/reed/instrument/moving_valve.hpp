@@ -62,19 +62,20 @@ public:
     coefficients_due_ = true;
     reposition(old, at_rest);
   }
-  /// The same, also ends a movement and takes over the coefficients of the frequency as it is.
+  /// As jump_to(), and also ends a movement and takes over the coefficients of the present
+  /// frequency.
   void restart_at(const ValveConstants& constants, bool at_rest) noexcept {
     jump_to(constants, at_rest);
     constants_move_ = false;
     steady_coefficients_ = ReedCoefficients<V>::at(constants_, omega_to_);
   }
-  /// Reaches these constants within the control period that begins.
+  /// Reaches these constants within the control period that begins now.
   void move_to(const ValveConstants& constants) noexcept {
     from_ = constants_;
     to_ = constants;
     constants_move_ = coefficients_due_ = true;
   }
-  /// Due at the end of a control period: completes move_to().
+  /// To be called at the end of a control period: completes move_to().
   void end_period(bool at_rest) noexcept {
     if (!constants_move_)
       return;
@@ -84,8 +85,8 @@ public:
     from_ = constants_ = to_;
     reposition(old, at_rest);
   }
-  /// omega_r at the beginning and at the end of the control period that begins. with_constants: it
-  /// moves in substeps, as the constants do; starting: nothing was computed before.
+  /// omega_r at the beginning and at the end of the control period that begins now. with_constants:
+  /// it moves in substeps, as the constants do; starting: nothing was computed before.
   void set_omega(const V& from, const V& to, bool with_constants, bool starting) noexcept {
     omega_from_ = from;
     omega_to_ = to;
@@ -99,8 +100,8 @@ public:
     }
   }
 
-  /// Advances count internal samples; phase of them have passed in this control period, which has
-  /// kControlPeriod * oversampling.
+  /// Advances count internal samples. `phase` internal samples of this control period, which has
+  /// kControlPeriod * oversampling, have passed.
   void run(const ValveSignals<V>& signal, int phase, int count, int oversampling) noexcept {
     const auto period = static_cast<double>(kControlPeriod * oversampling);
     if (omega_moves_)
@@ -121,7 +122,7 @@ public:
   }
 
 private:
-  static constexpr int kSubsteps = 4; // of the constants, in a control period
+  static constexpr int kSubsteps = 4; // substeps of the constants, in a control period
 
   /// Keeps the position that the valve had under the constants `old`, limited by the new stops and
   /// by the new side.
@@ -138,7 +139,8 @@ private:
     state_.move(
         simd::minimum(simd::maximum(target, low), high),
         simd::select((target < low) | (target > high), V(0.0), V(turn) * state_.velocity()));
-    // The flow through an inertance is kept; that into a compliance C is C dp/dt, so scales with C.
+    // The flow through an inertance is kept; the flow into a compliance C is C dp/dt, so it scales
+    // with C.
     if (!(constants_.inertance_rate > 0) || !(old.inertance_rate > 0))
       state_.inertance_flow = V(0.0);
     if (constants_.compliance_rate != old.compliance_rate)
@@ -162,7 +164,7 @@ private:
         ReedCoefficients<V>::at(constants_, omega_from_ + V(share) * (omega_to_ - omega_from_));
   }
 
-  /// step_valve() in the version for this kind of valve.
+  /// Calls step_valve() in the version for this kind of valve.
   void step(const ValveSignals<V>& signal, int count) noexcept {
     using Yes = std::true_type;
     using No = std::false_type;
@@ -185,12 +187,14 @@ private:
 
   ValveState<V> state_{};
   ValveConstants constants_{};
-  ValveConstants from_{}, to_{}; // at both ends of a control period in which they move
+  ValveConstants from_{}, to_{}; // constants at both ends of a control period in which they move
   V omega_from_{1.0}, omega_to_{1.0};
   bool still_ = false;
   bool omega_moves_ = false, constants_move_ = false, coefficients_due_ = true;
-  ReedCoefficients<V> steady_coefficients_{};                        // while omega_r is constant
-  std::array<ReedCoefficients<V>, max_count> moving_coefficients_{}; // one a sample while it moves
+  ReedCoefficients<V> steady_coefficients_{};                        // coefficients while omega_r
+                                                                     // is constant
+  std::array<ReedCoefficients<V>, max_count> moving_coefficients_{}; // one per sample while omega_r
+                                                                     // moves
 };
 
 } // namespace tactus::reed

@@ -17,8 +17,8 @@ template <class V> struct ReedOutputs {
   V* flow;
 };
 
-/// Computes samples of the host by internal ones: the mouth pressure is interpolated linearly, the
-/// outputs are decimated by half-band filters. V is that of ReedBank.
+/// Computes samples of the host from internal samples: the mouth pressure is interpolated linearly,
+/// the outputs are decimated by half-band filters. V is that of ReedBank.
 template <class V, int max_count> class Oversampler {
 public:
   /// The last mouth pressure, Pa.

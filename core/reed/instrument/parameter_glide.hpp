@@ -18,7 +18,7 @@ public:
     current_ = target_ = parameters;
     periods_left_ = 0;
   }
-  /// Begins the way to the target.
+  /// Begins the glide to the target.
   void begin(const Parameters& target) noexcept {
     periods_left_ = periods_;
     target_ = target;
@@ -27,7 +27,7 @@ public:
   /// The parameters last reached or approached, without the player's lips.
   [[nodiscard]] const Parameters& parameters() const noexcept { return target_; }
   [[nodiscard]] bool is_moving() const noexcept { return periods_left_ > 0; }
-  /// Once per control period while is_moving(). target: with the player's lips.
+  /// To be called once per control period while is_moving(). target: with the player's lips.
   void move(const Parameters& target) noexcept {
     current_ = periods_left_ == 1 ? target : interpolate(current_, target, 1.0 / periods_left_);
     --periods_left_;

@@ -17,9 +17,10 @@ namespace tactus::reed {
 struct Change {
   static constexpr double kAny = std::numeric_limits<double>::max();
   bool glide = false;
-  double factor = kAny, step = kAny;                     ///< of the quantity itself
-  double continued_factor = kAny, continued_step = kAny; ///< beyond which the note starts from rest
-  bool of_player = false;                                ///< limits count only with `tune`
+  double factor = kAny, step = kAny;                     ///< limits of the quantity itself
+  double continued_factor = kAny, continued_step = kAny; ///< limits beyond which the note starts
+                                                         ///< from rest
+  bool of_player = false;                                ///< limits apply only with `tune`
 };
 constexpr Change glides(double factor = Change::kAny, double continued = Change::kAny) {
   return {true, factor, Change::kAny, continued};
@@ -41,8 +42,8 @@ constexpr Change player(Change change) {
 }
 
 struct Row : Parameter {
-  /// A preset sets the parameter; sets it, but other values still count as the preset; or leaves
-  /// it.
+  /// How a preset treats the parameter: it sets the parameter; it sets it, but other values still
+  /// count as the preset; or it leaves it.
   enum class Preset { kSets, kSetsAdjustable, kLeaves };
   Change change;
   Preset preset = Preset::kSets;

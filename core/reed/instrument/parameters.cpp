@@ -11,7 +11,7 @@
 namespace tactus::reed {
 namespace {
 
-/// Whether both sizes are alike to within the factor.
+/// True if both sizes agree within the factor.
 bool within_factor(double factor, double a, double b) {
   const double one = std::abs(a), other = std::abs(b);
   return factor >= Change::kAny || (one <= factor * other && other <= factor * one);

@@ -5,7 +5,7 @@
 namespace tactus::reed {
 
 /// Samples between two readings of the controls of a reed: f_r, f_b, the player, parameters that
-/// glide. Counted from reset(), whatever the host's blocks are.
+/// glide. They are counted from reset(), whatever the size of the host's blocks.
 inline constexpr int kControlPeriod = 32;
 
 enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown open, swinging door
@@ -28,12 +28,12 @@ struct Parameters {
   double reed_frequency = 2500;     // f_r, Hz: used while the player's control is 0
   double quality = 5;               // Q
   double width = 13e-3;             // w, m
-  double mouth_length = 6.5e-3;     // lambda_m, m: length of reed that sees the mouth pressure
-  double bore_length = 6.5e-3;      // lambda_b, m: length of reed that sees the bore pressure
-  double flow_length = 0;           // mu, m: length of reed that sees the flow
+  double mouth_length = 6.5e-3;     // lambda_m, m: length of reed on which the mouth pressure acts
+  double bore_length = 6.5e-3;      // lambda_b, m: length of reed on which the bore pressure acts
+  double flow_length = 0;           // mu, m: length of reed on which the flow acts
   double channel_length = 1e-3;     // lambda, m
   double leak_area = 0;             // A_leak, m^2
-  double restitution = 0;           // of the stop, 0..1
+  double restitution = 0;           // restitution of the stop, 0..1
   double displacement_limit = 5e-3; // x_max, m
   bool sweep = true;                // the moving valve's own volume flow enters the bore
 
@@ -45,7 +45,7 @@ struct Parameters {
   double end_radius = 7.5e-3;   // r_e, m, of the radiating opening (bell, tone-hole lattice)
   double apex_distance = 0.2;   // r_0, m, cone only
   double cup_volume = 0;        // V, m^3
-  double wall_loss = 1;         // times the theoretical loss
+  double wall_loss = 1;         // factor on the theoretical loss
   double bell = 0;              // Hz, cut-off of bell or open holes; 0: plain open end
   double bell_quality = 1;      // Q at the cut-off
   double brassiness = 0;        // bore lengths over which the radiated wave steepens
@@ -56,33 +56,36 @@ struct Parameters {
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
   int oversampling = 0;       // 1, 2 or 4; 0: 4 for the swinging valve, else 1
-  double breath_noise = 1e-7; // relative to the jet's pressure (up to 1e-5: to the mouth's)
+  double breath_noise = 1e-7; // relative to the jet's pressure (up to 1e-5: to the mouth pressure)
   unsigned seed = 1;
-  bool tune = false;         // a player plays f_b: chooses length and lips (player.hpp)
+  bool tune = false;         // a player plays f_b and chooses length and lips (player.hpp)
   bool correct_pitch = true; // with tune: TuningController corrects the pitch
   double fingering = 0;      // with tune: MIDI number of the note fingered, instead of f_b; 0: none
   bool tube = false; // with tune and a brass bell: f_b is played with valves or slide (brass.hpp)
-  int valves = -1;   // with tune, on a trumpet: bits of those pressed; -1: the player's choice
-  double slide = 0;  // with tune, on a trombone: position 1 to 7; 0: the player's choice
-  double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
+  int valves = -1;   // with tune, on a trumpet: bits of the pressed valves; -1: the player chooses
+  double slide = 0;  // with tune, on a trombone: position 1 to 7; 0: the player chooses
+  double gain = 2;   // gain of the sound outlet, 1/Pa at 1 m before the soft clip
 
   // the player's lips, with tune: how they follow the note, and factors on the valve above
   double embouchure = 0;       // f_r/f_b that lips keep; 0: a reed, whose f_r stays as given
-  double embouchure_slope = 0; // embouchure goes as (f_b/f_r) to this power; of a reed: theta_0
-                               // does, at the same closing pressure
-  double highest_mode = 0;     // of the bore that lips play; 0: that nearest to the bore's length
+  double embouchure_slope = 0; // embouchure is proportional to (f_b/f_r) to this power; for a reed,
+                               // theta_0 is, at the same closing pressure
+  double highest_mode = 0;     // highest mode of the bore that lips play; 0: the mode nearest to
+                               // the bore's length
   double shortest_tract = 0;   // m, to which a singer shortens the bore for high notes; 0: never
-  double steepening = 0;       // brassiness counts this many wavelengths; 0: lengths of the bore
+  double steepening = 0;       // unit of brassiness: this many wavelengths; 0: the length of the
+                               // bore
   double aim = 0; // cents added to f_b for linear theory: compensates the pitch shift at playing
                   // level
   double lip_mass = 1;
-  double lip_opening = 1; // of theta_0
+  double lip_opening = 1; // factor on theta_0
   double lip_width = 1;
   double lip_quality = 1;
-  double lip_limit = 1;   // of x_max: lips that reach it at loud levels change regime
-  double lip_channel = 1; // of lambda: the jet's inertance includes air on both sides of the tip
-  double lip_cup = 1;     // of cup_volume: the reed's own compliance is part of a cone's tip
-  double played_gain = 1; // of gain
+  double lip_limit = 1;   // factor on x_max: lips that reach it at loud levels change regime
+  double lip_channel = 1; // factor on lambda: the jet's inertance includes air on both sides of the
+                          // tip
+  double lip_cup = 1;     // factor on cup_volume: the reed's own compliance is part of a cone's tip
+  double played_gain = 1; // factor on gain
   double tongue = 0;      // first push of the breath beyond p_m, relative, at 220 Hz and
                           // breath_reference (Player); 0: no tongue
 
@@ -98,7 +101,7 @@ struct Parameters {
   double lowest_note = 0;  // Hz
   double highest_note = 0; // Hz
 
-  /// Gives theta_0 the sign of the type: closed below 0, open above 0, swinging either.
+  /// Gives theta_0 the sign of the type: closed below 0, open above 0, swinging either sign.
   constexpr void orient() noexcept {
     const double size = rest_angle < 0 ? -rest_angle : rest_angle;
     if (type != ValveType::kSwinging)
@@ -112,8 +115,8 @@ struct Parameters {
 /// with the sign of the type.
 [[nodiscard]] Parameters clamped(const Parameters& parameters) noexcept;
 
-/// Linear interpolation, share in 0..1, of the numbers that glide; all others, words and switches
-/// as in `to`.
+/// Linear interpolation, share in 0..1, of the numbers that glide; all other numbers, words and
+/// switches are those of `to`.
 [[nodiscard]] Parameters interpolate(const Parameters& from, const Parameters& to,
                                      double share) noexcept;
 
@@ -121,7 +124,7 @@ struct Parameters {
 /// than its row allows (Change::factor, Change::step).
 [[nodiscard]] bool can_interpolate(const Parameters& a, const Parameters& b) noexcept;
 /// Whether the oscillation in one instrument can continue in the other: the same kind of valve,
-/// bore and player, and no quantity that stores energy changed by more than its row allows
+/// bore and player, and no quantity that stores energy changes by more than its row allows
 /// (Change::continued_factor, Change::continued_step).
 [[nodiscard]] bool can_continue(const Parameters& a, const Parameters& b) noexcept;
 /// The target note, Hz: that of Parameters::fingering, else bore_frequency.

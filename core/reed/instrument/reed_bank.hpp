@@ -27,10 +27,10 @@ namespace tactus::reed {
 ///
 /// The parts are MovingValve (equations in valve_bore_step.hpp), BoreWaveguide and BreathNoise;
 /// Player, ControlSlew, ParameterGlide and ChangeFade, which move their settings; and Oversampler.
-/// Here are the clock that drives them and the check that keeps the state bounded.
+/// This class has the clock that drives them and the check that keeps the state bounded.
 ///
-/// Controls are read once every kControlPeriod samples, counted from reset() whatever the blocks
-/// are. They are low-passed with 5 ms and interpolated for each sample in between:
+/// Controls are read once every kControlPeriod samples, counted from reset(), whatever the size of
+/// the blocks. They are low-passed with 5 ms and interpolated for each sample in between:
 ///
 ///   while samples are left:
 ///     if (bank.until_control() == 0) bank.control(reed frequency now, bore frequency now);
@@ -60,9 +60,9 @@ public:
     reset();
   }
 
-  /// Takes the nearest usable parameters (clamped()). While a single reed sounds, numbers arrive
-  /// within some 16 ms and switches in a short fade (ChangeFade); several side by side take
-  /// them at once. The state continues, within the new stops.
+  /// Takes the nearest usable parameters (clamped()). While a single reed sounds, numbers reach
+  /// their new values within about 16 ms, and switches change in a short fade (ChangeFade). Several
+  /// reeds side by side take all changes at once. The state continues, within the new stops.
   void set(const Parameters& parameters) noexcept {
     requested_ = clamped(parameters);
     const Parameters target = with_brass_tube(requested_);
@@ -77,7 +77,7 @@ public:
     update_player();
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return requested_; }
-  /// Holes fingered one by one (Player::finger).
+  /// Sets holes fingered one by one (Player::finger).
   void finger(const Termination* holes, double vent = 0) noexcept { player_.finger(holes, vent); }
   /// The notes that the player refused.
   [[nodiscard]] const Refusal& refusal() const noexcept { return player_.refusal(); }
@@ -113,9 +113,9 @@ public:
   /// Samples that run() may compute before control() is due.
   [[nodiscard]] int until_control() const noexcept { return kControlPeriod - phase_; }
 
-  /// f_r in Hz for each lane (not above 0: the parameters' own), f_b in Hz (not above 0: the
-  /// parameters' length).
-  /// breath: the mouth pressure that the player's lips follow, Pa; below 0 they follow none.
+  /// f_r in Hz for each lane (0 or less: that of the parameters), f_b in Hz (0 or less: the
+  /// parameters' length). breath: the mouth pressure that the player's lips follow, Pa; below 0
+  /// they follow none.
   void control(const V& reed_frequency, double bore_frequency, double breath = -1) noexcept {
     phase_ = 0;
     flush_denormals();
@@ -125,7 +125,7 @@ public:
     const Player::Configuration& configuration = player_.control(
         bore_frequency, static_cast<double>(simd::lane(nominal_frequency, 0)), breath);
     bore_.set_end(configuration.end);
-    // A scalar reflection replaces losses and radiation: there is nothing to vent.
+    // A scalar reflection replaces losses and radiation, so there is nothing to vent.
     bore_.set_vent(parameters_.scalar_reflection > 0 ? 0 : configuration.vent, starting_);
     valve_.end_period(starting_);
     bore_.end_period();
@@ -187,7 +187,7 @@ private:
     bore_.jump_to_length();
   }
 
-  /// Advances the fade; makes a change that waits until nothing is heard.
+  /// Advances the fade, and makes a waiting change once nothing is heard.
   void update_fade() noexcept {
     const bool silent = !kSeveral && peak_pressure_ < kSilencePressure &&
                         simd::lane(oversampler_.mouth_pressure(), 0) < kSilencePressure;
@@ -223,7 +223,7 @@ private:
     return ValveConstants::from(parameters, bore_.design(), sample_rate_ * oversampling_);
   }
 
-  /// One step of valve, bore and radiation towards the target of the glide.
+  /// Moves valve, bore and radiation by one step towards the target of the glide.
   void advance_glide(const Parameters& target) noexcept {
     glide_.move(target);
     bore_.glide_to(glide_.current());
@@ -277,7 +277,7 @@ private:
     bore_.flush_denormals();
   }
 
-  /// samples of the host, of at most kChunk internal samples in all.
+  /// Computes samples of the host, at most kChunk internal samples in all.
   void run_chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
     oversampler_.run(oversampling_, mouth_pressure, out, samples,
                      [this](const V* mouth, const Outputs& internal, int count) {
@@ -291,7 +291,7 @@ private:
     }
   }
 
-  /// count internal samples.
+  /// Computes `count` internal samples.
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
     const auto [breath, noise] =
         noise_.draw(mouth, glide_.current().breath_noise, sample_rate_ * oversampling_, count);
@@ -310,12 +310,12 @@ private:
   }
 
   /// The paper's explicit flow and the force of the flow (mu) can feed in energy without bound for
-  /// absurd parameters: then the model restarts from rest.
+  /// extreme parameters. Then the model restarts from rest.
   void restart_if_unbounded(const Outputs& out, int count) noexcept {
     constexpr double kMaxPressure = 1e9; // Pa
     bool bounded = true;
     if constexpr (std::is_same_v<V, double>) {
-      V even(0.0), odd(0.0); // two maxima: each waits only for itself
+      V even(0.0), odd(0.0); // two maxima, neither of which waits for the other
       int i = 0;
       for (; i + 1 < count; i += 2) {
         even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
@@ -325,7 +325,7 @@ private:
         even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
       peak_pressure_ = std::max({peak_pressure_, even, odd});
       bounded = simd::maximum(even, odd) < kMaxPressure;
-    } else { // a mask per comparison: no chain at all
+    } else { // a mask per comparison, without any dependency chain
       const V limit(kMaxPressure);
       auto within = simd::absolute(out.bore_pressure[0]) < limit;
       for (int i = 1; i < count; ++i)
@@ -344,7 +344,7 @@ private:
   static std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
 
   double sample_rate_ = 0;
-  int oversampling_ = 1, phase_ = kControlPeriod; // samples since control()
+  int oversampling_ = 1, phase_ = kControlPeriod; // phase_: samples since control()
   bool starting_ = true;                          // nothing has sounded yet
   Parameters requested_{}, parameters_{}; // parameters_: with the tube of a brass instrument, if
                                           // one is played

@@ -18,10 +18,11 @@ namespace {
 
 using Complex = std::complex<double>;
 using std::numbers::pi;
-constexpr double kPlayingReeds = 1.5;    // usual mouth pressure over the threshold, reeds
-constexpr double kPlayingLips = 2.5;     // lips
-constexpr double kShortestTube = 0.05;   // m, that lips play on
-constexpr double kValveOnlyRatio = 0.75; // f_b over the bore's lowest resonance: below, valve only
+constexpr double kPlayingReeds = 1.5;    // usual ratio of mouth pressure to threshold, for reeds
+constexpr double kPlayingLips = 2.5;     // the same ratio for lips
+constexpr double kShortestTube = 0.05;   // m, shortest tube that lips play on
+constexpr double kValveOnlyRatio = 0.75; // f_b relative to the bore's lowest resonance; below it
+                                         // the valve alone sets the pitch
 
 /// The bore with which the valve oscillates at a given frequency and mouth pressure.
 struct Candidate {
@@ -29,7 +30,8 @@ struct Candidate {
   double excess; // ln of the loop gain valve times bore; 0: neutral oscillation
 };
 
-/// Solves Y_in(L) = Y_valve(p_m) at one frequency for the round trip of the bore, and that for L.
+/// Solves Y_in(L) = Y_valve(p_m) at one frequency for the round trip of the bore, and then finds L
+/// from the round trip.
 class NeutralOscillation {
 public:
   NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
@@ -91,7 +93,7 @@ private:
   Complex s_, lumped_, end_;
   double reed_frequency_, nominal_length_;
   RegisterVent vent_{};
-  Complex vent_round_trip_ = 1; // from the reed to the vent and back
+  Complex vent_round_trip_ = 1; // round trip from the reed to the vent and back
 };
 
 double aimed_frequency(const Parameters& parameters, double bore_frequency) {

@@ -12,29 +12,29 @@ struct Fingering {
 
   friend bool operator==(const Fingering&, const Fingering&) = default;
 };
-/// The standard fingering of the note bore_frequency (Hz). From Parameters::register_note on it is
-/// that of the note a twelfth (on a cone: an octave) below, with the register vent open.
+/// The standard fingering of the note bore_frequency (Hz). From Parameters::register_note on, it is
+/// the fingering of the note a twelfth (on a cone: an octave) below, with the register vent open.
 [[nodiscard]] Fingering standard_fingering(const Parameters& parameters,
                                            double bore_frequency) noexcept;
 /// MIDI number of the note that a fingering sounds.
 [[nodiscard]] double key_of(const Parameters& parameters, const Fingering& fingering) noexcept;
 
-/// Length of the bore, m, near which tuned_length() searches for a note (Hz): that whose ideal
-/// lowest resonance is the note. For lips it is the instrument's own length, or with
-/// Parameters::highest_mode a shorter bore on which the note is not above that mode; on a brass
-/// tube that of its valves or slide.
+/// Length of the bore, m, near which tuned_length() searches for a note (Hz): the length whose
+/// ideal lowest resonance is the note. For lips it is the instrument's own length, or with
+/// Parameters::highest_mode a shorter bore on which the note is not above that mode. On a brass
+/// tube it is the length that valves or slide set.
 [[nodiscard]] double nominal_length(const Parameters& parameters, double bore_frequency,
                                     const Termination* end = nullptr) noexcept;
 
-/// Length of the bore, m, at which the linearised instrument plays bore_frequency (Hz) with that
-/// reed frequency (Hz).
+/// Length of the bore, m, at which the linearised instrument plays bore_frequency (Hz) with the
+/// given reed frequency (Hz).
 ///
 /// A neutral oscillation exp(i 2 pi f_b t) solves Y_in(L) = Y_valve(p_m) (LinearStability). p_m is
 /// the lowest pressure that has such a solution, times over_threshold >= 1 (at most half way to the
-/// highest pressure). Where none has, it is the pressure that comes nearest. Of several lengths the
-/// one nearest to nominal_length() is taken: a blown-open valve plays a mode of a longer bore,
-/// others their lowest mode. Bounded work (about 60 evaluations of a few complex functions), no
-/// allocation.
+/// highest pressure). If no pressure has a solution, p_m is the pressure that comes nearest. If
+/// there are several lengths, the one nearest to nominal_length() is taken: a blown-open valve
+/// plays a mode of a longer bore, other valves play the lowest mode. Bounded work (about 60
+/// evaluations of a few complex functions), no allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
                                   double reed_frequency, double over_threshold = 1,
                                   const Fingering& fingering = {}) noexcept;
@@ -60,23 +60,23 @@ struct PlayingSetup {
 /// well below the bore's lowest resonance depends on the valve alone (valve_only_length()).
 [[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
                                  double reed_frequency, const Fingering& fingering) noexcept;
-/// The same with standard_fingering().
+/// tuned() with standard_fingering().
 [[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
                                  double reed_frequency) noexcept;
 
-/// Phase of the round trip of a bore of that length (m) at the note bore_frequency (Hz), in turns
-/// (2 pi rad): that of the delay and of the wall loss.
+/// Phase of the round trip of a bore of this length (m) at the note bore_frequency (Hz), in turns
+/// (2 pi rad): the phase of the delay and of the wall loss.
 [[nodiscard]] double round_trip_turns(const Parameters& parameters, double bore_frequency,
                                       double length) noexcept;
-/// The inverse: L in m, at least 5 mm.
+/// Inverse of round_trip_turns(): L in m, at least 5 mm.
 [[nodiscard]] double length_from_turns(const Parameters& parameters, double bore_frequency,
                                        double turns) noexcept;
 
 /// Length of a bore, m, whose lowest resonance is so far above the note (4/3 of it or more) that
 /// the valve alone sets the pitch. It is the parameters' own length or, for high notes, a shorter
-/// one down to Parameters::shortest_tract, as singers raise their first formant with the note
-/// (Joliveau, Smith & Wolfe 2004, Nature 427). 0 where there is none, or no embouchure: then the
-/// bore sets the pitch.
+/// length down to Parameters::shortest_tract, as singers raise their first formant with the note
+/// (Joliveau, Smith & Wolfe 2004, Nature 427). 0 if there is no such length, or no embouchure; then
+/// the bore sets the pitch.
 [[nodiscard]] double valve_only_length(const Parameters& parameters, double bore_frequency,
                                        const Termination* end = nullptr) noexcept;
 
@@ -84,8 +84,8 @@ struct PlayingSetup {
 [[nodiscard]] PlayingSetup player_lips(const Parameters& parameters,
                                        double bore_frequency) noexcept;
 
-/// Valve and fingering for the note bore_frequency (Hz; 0: none) on a bore of that length: with
-/// `tune`, a note and no length_override as tuned() has them, else as the parameters have them.
+/// Valve and fingering for the note bore_frequency (Hz; 0: none) on a bore of this length. With
+/// `tune`, a note and no length_override they are those of tuned(), else those of the parameters.
 /// Corrections by TuningController are not included.
 [[nodiscard]] PlayingSetup embouchure_for(const Parameters& parameters, double bore_frequency,
                                           double length_m) noexcept;

@@ -42,7 +42,7 @@ template <class V> struct ReedCoefficients {
   V resistance_per_velocity{0.0};   // Z w T/2
   V resistance_per_flow{0.0};       // subtracted: per flow of the sample before
   // The jet's driving pressure times 2 rho, as a linear function of the state.
-  V drive_per_mouth_pressure{0.0}; // directly, less the effect through the valve
+  V drive_per_mouth_pressure{0.0}; // directly, minus the effect through the valve
   V drive_per_source{0.0};         // subtracted: per flow into the input
   V drive_per_bore_pressure{0.0};  // subtracted: per p_b of the sample before (cone and cup)
   V drive_per_deflection{0.0};     // k Z w lambda_b Y
@@ -101,12 +101,12 @@ template <class V> struct ValveState {
   V flow{0.0};            // U = A u, mean over the last sample, m^3/s
   V inertance_flow{0.0};  // U_L of the cone
   V compliance_flow{0.0}; // U_C of the cup
-  V port_history{0.0};    // flow of cone and cup into the input, less 2 (2C/T - T/2M) p_b
+  V port_history{0.0};    // flow of cone and cup into the input, minus 2 (2C/T - T/2M) p_b
 
   V base_deflection{0.0}, base_velocity{0.0}, base_pressure{0.0};
-  V pending_flow{0.0}; // U, or 0 where the base values contain its effect
+  V pending_flow{0.0}; // U, or 0 if the base values contain its effect
   V deflection_per_flow{0.0}, velocity_per_flow{0.0}, impedance{0.0}; // effect of U on the above
-  V resistance_per_jet{0.0}, drive_per_jet{0.0};                      // of u on the next jet
+  V resistance_per_jet{0.0}, drive_per_jet{0.0};                      // effect of u on the next jet
 
   /// x - x_0 along the valve's direction, m.
   [[nodiscard, gnu::always_inline]] V deflection() const noexcept {
@@ -137,8 +137,8 @@ template <class V> struct ValveState {
   }
 };
 
-/// Signals of a block of internal samples. Mouth pressure, noise and wave are inputs, wave and the
-/// rest outputs.
+/// Signals of a block of internal samples. Mouth pressure, noise and wave are inputs; wave and all
+/// others are outputs.
 template <class V> struct ValveSignals {
   const V* mouth_pressure;
   const double* noise; // null, or a factor of the jet's dynamic pressure, common to all lanes
@@ -161,7 +161,7 @@ template <class V>
 /// Equation (2) of Smyth, Smyth & Kirkpatrick, explicit, with the bore pressure of the sample
 /// before:
 ///   U' = dp A/(lambda rho) - U|U|/(2 lambda A + |U| T).
-/// Where it would be unstable (Z A T/rho > lambda), lambda is raised to that limit.
+/// Where the formula would be unstable (Z A T/rho > lambda), lambda is raised to that limit.
 template <class V>
 [[nodiscard, gnu::always_inline]] inline V
 explicit_flow(const ValveConstants& c, const V& impedance, const V& area, const V& pressure_drop,
@@ -194,8 +194,8 @@ explicit_flow(const ValveConstants& c, const V& impedance, const V& area, const 
 /// progress. Likewise the set of valves at a stop is assumed to be that of the sample before, until
 /// a comparison outside the chain finds it changed.
 ///
-/// One piece: the intermediate values fill the registers, and this loop is over half of the cost of
-/// an instrument.
+/// One function, because the intermediate values fill the registers and this loop takes over half
+/// of the time of an instrument.
 template <bool swinging, bool paper, bool plain, class V>
 [[gnu::noinline, gnu::flatten]] void
 step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
@@ -221,7 +221,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
   const bool lumped = !plain && (c.inertance_rate > 0 || c.compliance_rate > 0);
   const bool noisy = !plain && signal.noise != nullptr;
 
-  ValveState<V> now = state; // in registers
+  ValveState<V> now = state; // a copy that stays in registers
   typename simd::LaneTraits<V>::MaskType at_stop{},
       at_limit{};               // lanes below the stop, and above the limit
   std::uint64_t limit_bits = 0; // the same as bits; 0: none

@@ -6,7 +6,7 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kFastJet = 60; // m/s, of a mouth pressure of 2 kPa
+constexpr double kFastJet = 60; // m/s, jet velocity at a mouth pressure of 2 kPa
 
 } // namespace
 

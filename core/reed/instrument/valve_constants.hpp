@@ -12,13 +12,14 @@ namespace tactus::reed {
 /// values whether it is blown open or closed; the signs of the forces follow.
 struct ValveConstants {
   double period = 0, rate = 0;    // T, 1/T
-  double direction = 1;           // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
+  double direction = 1;           // +1: open at theta > 0, as the swinging valve; -1: open at theta
+                                  // < 0
   double rest_opening = 0;        // |x_0|; the swinging valve's x_0
   double lowest = 0, highest = 0; // stop and limit, as deflection from rest, m
   double width = 0, leak = 0;     // w, A_leak
   double mouth_area = 0;          // w lambda_m along the direction
   double bore_area = 0;           // w lambda_b along the direction
-  double swept_area = 0;          // the same, 0 when the sweep is off
+  double swept_area = 0;          // as bore_area, or 0 when the sweep is off
   double flow_area = 0;           // w mu
   double mass = 0, damping = 0;   // m, m/Q
   double decay = 0;               // 1/4Q^2
@@ -43,7 +44,8 @@ struct ValveConstants {
 
   static ValveConstants from(const Parameters& parameters, const BoreDesign& bore,
                              double internal_rate) noexcept;
-  /// Linear interpolation, share in 0..1, between two of the same rate; switches are those of `to`.
+  /// Linear interpolation, share in 0..1, between two sets of the same rate; switches are those of
+  /// `to`.
   static ValveConstants interpolate(const ValveConstants& from, const ValveConstants& to,
                                     double share) noexcept;
 };

@@ -27,8 +27,8 @@ inline void distance_transform(std::vector<double>& squared_distances, std::size
     squared_distances[start + p * stride] = scratch[p];
 }
 
-/// Euclidean distance transform of a grid, stored row by row: in, 0 at the target nodes and
-/// kUnreachedSquared elsewhere; out, the squared distance of every node from the nearest target.
+/// Euclidean distance transform of a grid, stored row by row. Input: 0 at the target nodes and
+/// kUnreachedSquared elsewhere. Output: the squared distance of every node from the nearest target.
 /// scratch holds at least max(columns, rows) numbers.
 inline void distance_transform(std::vector<double>& squared_distances, std::size_t columns,
                                std::size_t rows, double column_spacing, double row_spacing,

@@ -101,7 +101,7 @@ void ReedGradient::update_targets() noexcept {
   targets_set_ = true;
 }
 
-/// Gradient and force until the reading after next.
+/// Computes gradient and force, which hold until the reading after next.
 void ReedGradient::update_force() noexcept {
   gradient_ = compute_gradient();
   const double elapsed_s = static_cast<double>(kForcePeriod) / sample_rate_;

@@ -29,7 +29,7 @@ namespace tactus::reed {
 class ReedGradient {
 public:
   enum class Mode { kReed, kGrowth, kGuide };
-  static constexpr std::size_t kGrowthNodes = 41; // along y and along z
+  static constexpr std::size_t kGrowthNodes = 41; // nodes along y and along z
 
   explicit ReedGradient(simd::VectorSet widest = simd::kWidest);
 
@@ -38,7 +38,7 @@ public:
   void set(const Parameters& parameters) noexcept;
   void set(const PlayabilityParameters& estimator) noexcept;
   void set_range(const ControlRange& range) noexcept;
-  /// Distance of the neighbours, 0 < delta <= 0.25, of the plane's side.
+  /// Distance of the neighbours as a share of the plane's side, 0 < delta <= 0.25.
   void set_delta(double delta) noexcept { delta_ = delta; }
   /// The force continues from its present value.
   void set_mode(Mode mode) noexcept;
@@ -84,7 +84,8 @@ public:
   [[nodiscard]] double ceiling() const noexcept { return guidance_settings_.ceiling_n; }
   [[nodiscard]] double force_gain() const noexcept { return force_gain_n_; }
   static constexpr std::size_t kHandPeriod = 32; // samples between readings of the hand
-  static constexpr std::size_t kForcePeriod = 2 * kHandPeriod; // between updates of the force
+  static constexpr std::size_t kForcePeriod = 2 * kHandPeriod; // samples between updates of the
+                                                               // force
 
 private:
   void update_targets() noexcept;

@@ -19,7 +19,7 @@ namespace tactus::reed {
 class ReedEnsemble {
 public:
   static constexpr std::size_t kLanes = 8;
-  /// Most samples that process() takes at once.
+  /// Largest number of samples that process() takes at once.
   static constexpr std::size_t kMaxFrames = 64;
   using PerLane = std::array<double, kLanes>;
 
@@ -45,7 +45,8 @@ public:
   [[nodiscard]] virtual double angle(std::size_t lane) const noexcept = 0;
   /// p_b, Pa.
   [[nodiscard]] virtual double bore_pressure(std::size_t lane) const noexcept = 0;
-  /// f_p in mode paper: a periodicity analysis would cost more than the reeds and lag by 85 ms.
+  /// f_p in mode `paper`, because a periodicity analysis would cost more than the reeds and lag by
+  /// 85 ms.
   [[nodiscard]] virtual double playability(std::size_t lane) const noexcept = 0;
   /// y, rad (PlayabilityFollower).
   [[nodiscard]] virtual double envelope(std::size_t lane) const noexcept = 0;
@@ -53,7 +54,7 @@ public:
   [[nodiscard]] virtual double length() const noexcept = 0;
 };
 
-/// The implementation for the widest set up to this one that the processor runs.
+/// The implementation for the widest instruction set that the processor supports, up to `widest`.
 [[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::VectorSet widest);
 [[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::Baseline);
 [[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::Avx2);

@@ -35,7 +35,7 @@ public:
   void differentiate() noexcept;
   /// Bilinear; y and z are clamped to [0, 1]. 0 while the field is empty.
   [[nodiscard]] double value(double y, double z) const noexcept;
-  /// Per unit of y and z, after differentiate().
+  /// The gradient per unit of y and z; valid after differentiate().
   [[nodiscard]] Gradient gradient(double y, double z) const noexcept;
 
 private:

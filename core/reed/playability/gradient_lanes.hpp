@@ -48,7 +48,7 @@ public:
       int count = static_cast<int>(frames) - done;
       if (count > bank_.until_control())
         count = bank_.until_control();
-      // Odd and even samples: two shorter dependency chains.
+      // Odd and even samples apart make two shorter dependency chains.
       V odd(static_cast<double>(mouth.first) + done + 1), even(odd + V(1.0));
       for (int i = 0; i < count; i += 2) {
         pressure[i] = clamp_pressure(start + slope * odd);
@@ -83,7 +83,7 @@ private:
     return static_cast<double>(simd::lane(values, static_cast<int>(lane)));
   }
   static V clamp_pressure(const V& p) noexcept {
-    constexpr double kHighest = 50e3; // as Instrument::kHighestPressure
+    constexpr double kHighest = 50e3; // limit, as Instrument::kHighestPressure
     return simd::minimum(simd::maximum(p, V(-kHighest)), V(kHighest));
   }
 

@@ -17,7 +17,7 @@ namespace tactus::reed {
 ///          = -d               elsewhere.
 /// g > 0 is the growth rate of the dominant mode (1/s), d the distance in the plane to the nearest
 /// node where a note starts. g < 0 gives no useful gradient: without any pressure a resonance
-/// decays more slowly than with a little, so that g would point away from notes.
+/// decays more slowly than with a little pressure, so that g would point away from notes.
 ///
 /// The map is computed a few nodes at a time; meanwhile the previous map stays in use. Limits of
 /// linear theory: docs/theory/guidance.md.
@@ -28,7 +28,7 @@ public:
   /// Discards unfinished work and starts a map of the instrument as it is played
   /// (embouchure_for()). No allocation.
   void begin(const PlayingSetup& playing, const ControlRange& range) noexcept;
-  /// Computes up to that many nodes; true when the map is finished. Each takes 20 to 150 us.
+  /// Computes up to `nodes` nodes; true when the map is finished. Each node takes 20 to 150 us.
   bool advance(std::size_t nodes) noexcept;
   [[nodiscard]] bool ready() const noexcept { return ready_; }
   /// Share of the nodes computed, 0..1.

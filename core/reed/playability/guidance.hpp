@@ -16,12 +16,12 @@ public:
   /// time_constant_s >= 0, slew_n_per_s > 0.
   void set(double time_constant_s, double slew_n_per_s) noexcept;
   void reset(const PlaneForce& force = {}) noexcept { force_ = force; }
-  /// The force elapsed_s > 0 later; a target that is not finite counts as no force.
+  /// The force after a time elapsed_s > 0; a target that is not finite counts as no force.
   PlaneForce advance(const PlaneForce& target, double elapsed_s) noexcept;
 
 private:
   double time_constant_s_ = 30e-3, slew_n_per_s_ = 20;
-  double elapsed_s_ = 0, smoothing_gain_ = 0; // of the low-pass for a step of elapsed_s_
+  double elapsed_s_ = 0, smoothing_gain_ = 0; // gain of the low-pass for a step of elapsed_s_
   PlaneForce force_{};
 };
 
@@ -48,7 +48,7 @@ private:
 ///
 /// A ForceSmoother follows. Its slew limit must let the wall rise faster than a hand crosses a
 /// narrow region: at 20 N/s the hand oscillates. The stiffness of the wall is F_max/m, 400 N/m for
-/// 2 N on a side of 100 mm. Stable where t_a exceeds the delay of the loop (7 ms in a patch with
+/// 2 N on a side of 100 mm. The loop is stable if t_a exceeds its delay (7 ms in a patch with
 /// blocks of 64 at 48 kHz).
 class Guidance {
 public:
@@ -64,7 +64,7 @@ public:
   static constexpr double kQuickGrowth = 8.0 / (8.0 + 50.0);
 
   void set(const Settings& settings) noexcept;
-  /// Discards the hand's velocity; the force continues from the given one.
+  /// Discards the hand's velocity; the force continues from `force`.
   void reset(const PlaneForce& force = {}) noexcept;
   /// The force for a hand at (y, z) in [0, 1], elapsed_s > 0 s after the last call, with the f_p
   /// measured there. A position that is not finite counts as fade().

@@ -12,13 +12,13 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kSpacing = 1.0 / (GuidanceField::kNodes - 1);
-constexpr int kBlurRadius = 4; // of the blur, nodes: more than 3 standard deviations
+constexpr int kBlurRadius = 4; // radius of the blur, nodes: more than 3 standard deviations
 static_assert(kBlurRadius >= 3 * GuidanceField::kBlur / kSpacing);
 
 using Nodes = std::vector<double>;
 constexpr std::size_t kNodes = GuidanceField::kNodes;
 
-/// Distance of every node to the nearest one that plays (inside = true) or does not.
+/// Distance of every node to the nearest node that plays (inside = true) or does not play.
 Nodes distances(const std::vector<char>& plays, bool inside) {
   Nodes distance(plays.size());
   for (std::size_t n = 0; n < plays.size(); ++n)
@@ -30,7 +30,7 @@ Nodes distances(const std::vector<char>& plays, bool inside) {
   return distance;
 }
 
-/// Gaussian blur along the lines of that stride. Beyond the edge of the plane the values are
+/// Gaussian blur along the lines of this stride. Beyond the edge of the plane the values are
 /// continued by point reflection, 2 f(0) - f(j), which preserves a slope.
 void blur(Nodes& values, std::size_t stride) {
   const std::size_t line_stride = stride == 1 ? kNodes : 1;

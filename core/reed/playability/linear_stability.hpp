@@ -48,18 +48,19 @@ class LinearStability {
 public:
   using Complex = std::complex<double>;
 
-  /// length_m > 0 is the bore length L; reed_frequency_hz > 0 is the player's f_r.
-  /// end: termination of the bore, which must outlive this; null: an open end.
+  /// length_m > 0 is the bore length L; reed_frequency_hz > 0 is the player's f_r. end: termination
+  /// of the bore, which must outlive this object; null: an open end.
   LinearStability(const Parameters& parameters, double length_m,
                   const Termination* end = nullptr) noexcept;
 
-  /// Static state at that mouth pressure, Pa.
+  /// Static state at this mouth pressure, Pa.
   [[nodiscard]] Equilibrium equilibrium(double mouth_pressure,
                                         double reed_frequency_hz) const noexcept;
 
   /// Y_in, m^3/(Pa s): input admittance of the bore as the valve sees it; s != 0.
   [[nodiscard]] Complex input_admittance(Complex s) const noexcept;
-  /// Y_valve, m^3/(Pa s): flow out of the valve per pressure in the bore; s not at a pole of it.
+  /// Y_valve, m^3/(Pa s): flow out of the valve per pressure in the bore; s must not be a pole of
+  /// it.
   [[nodiscard]] Complex valve_admittance(Complex s, const Equilibrium& state,
                                          double reed_frequency_hz) const noexcept;
 

@@ -13,7 +13,7 @@ struct PlaneSettings {
   ControlRange range;
   unsigned revision = 0; // counts changes of parameters and range
 
-  /// True when a map for the other settings is valid here: lengths and lips within 0.1 %.
+  /// True if a map for the other settings is valid for these: lengths and lips within 0.1 %.
   [[nodiscard]] bool matches(const PlaneSettings& other) const noexcept {
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-3 * b; };
     return revision == other.revision && near(playing.length, other.playing.length) &&
@@ -23,8 +23,8 @@ struct PlaneSettings {
 
 /// A finished GrowthMap as lookup tables for ReedGradient: built off the audio path, read on it.
 struct PlaneGuide {
-  GradientField height;         // GrowthMap's
-  GuidanceField distance_field; // to where a note grows at 8 1/s or faster
+  GradientField height;         // height of the GrowthMap
+  GuidanceField distance_field; // distance to the region where a note grows at 8 1/s or faster
 
   /// Copies a finished map. Allocates; takes some milliseconds.
   void build(const GrowthMap& map) {

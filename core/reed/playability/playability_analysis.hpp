@@ -26,7 +26,7 @@ struct Periodicity {
   double frequency_hz = 0;   // f_0; 0 when the frame is silent or has no period
   double periodicity = 0;    // 1 - d'(tau_0) in [0, 1]
   double harmonicity_db = 0; // 10 log10(periodicity/(1 - periodicity)), within +-90
-  double centroid_hz = 0;    // of the power spectrum under a Hann window
+  double centroid_hz = 0;    // centroid of the power spectrum under a Hann window
 };
 
 /// Periodicity and f_0 of a signal, frame by frame, by the cumulative mean normalised difference

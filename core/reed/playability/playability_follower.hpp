@@ -12,11 +12,11 @@ namespace tactus::reed {
 struct PlayabilityParameters {
   enum class Mode { kPaper, kRobust };
   double attack_s = 5e-3;      // envelope's time constant on rise
-  double release_s = 80e-3;    // on fall
+  double release_s = 80e-3;    // time constant on fall
   double highpass_hz = 10;     // removes the static angle
   double reference_rad = 0.03; // envelope at which A = 1/2
-  double window_s = 50e-3;     // over which zero crossings are counted, at most 0.25
-  double hysteresis = 0.2;     // of the counter, relative to the envelope
+  double window_s = 50e-3;     // time over which zero crossings are counted, at most 0.25
+  double hysteresis = 0.2;     // hysteresis of the counter, relative to the envelope
   Mode mode = Mode::kRobust;
 };
 
@@ -27,7 +27,7 @@ struct PlayabilityParameters {
 ///          else the release (Smyth, Smyth & Kirkpatrick, eq. 3, on the alternating part),
 ///   a zero crossing whenever t~ goes from below -h to above +h, h = hysteresis y,
 ///   A    = y/(y + reference),
-///   J    = clip((z/z_mean - 1.5)/1.5, 0, 1), z the crossings a second in the window, z_mean their
+///   J    = clip((z/z_mean - 1.5)/1.5, 0, 1), z crossings per second in the window, z_mean their
 ///          mean over 0.5 s of sound: a jump to twice the usual rate or more. It is 0 until one
 ///          window of sound has passed, so that the start of a note is no jump.
 ///   H    = clip((z - 4000 Hz)/2000 Hz, 0, 1), more crossings than any note has,
@@ -81,12 +81,12 @@ public:
     }
   }
 
-  /// Limits the counting to the first 1 <= count <= lanes; f_p of the others is undefined.
+  /// Limits the counting to the first 1 <= count <= lanes; f_p of the other lanes is undefined.
   void set_active_lanes(int count) noexcept { active_lanes_ = count; }
 
   /// The next angle, rad.
   void tick(const V& angle) noexcept { run(&angle, 1); }
-  /// The next count angles; the same as so many ticks.
+  /// Processes the next count angles, as that many calls of tick() would.
   void run(const V* angles, int count) noexcept {
     if (!primed_ && count > 0) { // the high-pass starts settled at the first angle
       primed_ = true;
@@ -167,7 +167,7 @@ private:
   // Highest rate of a periodic reed, that of the highest f_b, and width of the ramp of H. White
   // noise at 44.1 kHz and above crosses 8000 times a second or more with hysteresis 0.2.
   static constexpr double kMaxRate = 4000, kMaxRateWidth = 2000; // Hz
-  static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
+  static constexpr double kAudible = 0.02; // share of the reference; above it the valve sounds
   static constexpr std::uint32_t kMaxTimes = 17;
 
   static V usable(const V& angle, const V& fallback) noexcept {
@@ -190,8 +190,8 @@ private:
       last = angle;
       const V size = absolute(high);
       // Attack on rise, release on fall, without a branch. If the attack is the faster of the two,
-      // its result is the larger one on rise, and that of the slower release is the larger one on
-      // fall.
+      // its result is the larger one on rise, and the result of the slower release is the larger
+      // one on fall.
       const V rise = rising * size + attack * envelope;
       const V fall = falling * size + release * envelope;
       envelope = attack_is_faster ? maximum(rise, fall) : minimum(rise, fall);

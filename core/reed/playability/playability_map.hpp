@@ -16,8 +16,8 @@ struct PlayabilityMapSettings {
   ControlRange range{};
   PlayabilityParameters estimator{};
   double sample_rate = 48000;
-  double settle_s = 0.5; // from rest to the beginning of the average
-  double listen_s = 0.2; // over which f_p is averaged
+  double settle_s = 0.5; // time from rest to the beginning of the average
+  double listen_s = 0.2; // time over which f_p is averaged
 };
 
 /// A map of the playability f_p over the plane of mouth pressure and reed frequency, computed by

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-/// The numbers of PlayabilityParameters, a row each.
+/// One row for each number of PlayabilityParameters.
 namespace tactus::reed {
 
 inline constexpr std::array<std::string_view, 2> kPlayabilityModes{"paper", "robust"};

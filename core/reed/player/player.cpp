@@ -12,17 +12,19 @@ namespace {
 constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, smoothing of the breath ratio r
 constexpr double kAboveNatural = 1.012;  // pitch of blown-open lips relative to the tube's mode
 constexpr double kRetryStopTime = 50e-3; // s without air before a retry
-constexpr double kSoftStopTime = 0.12;   // that before a soft one: the other register has to fade
-// Periods that every other retry begins softly. At a third of the pressure the lowest register of
-// an oboe's lowest keys grows alone, at a high pressure the next one is faster.
+constexpr double kSoftStopTime = 0.12;   // s without air before a soft retry, in which the other
+                                         // register has to fade
+// Number of periods for which every other retry begins softly. At a third of the pressure the
+// lowest register of an oboe's lowest keys grows alone; at a high pressure the next register is
+// faster.
 constexpr double kSoftPeriods = 40;
 
 constexpr double kNoBreath = 10;        // Pa
 constexpr double kBurstNote = 220;      // Hz, reference note of Parameters::tongue
-constexpr double kSmallestBurst = 0.02; // a release without an audible push
-constexpr double kLargestBurst = 3;     // as the parameter's own limit
+constexpr double kSmallestBurst = 0.02; // below it, a release has no audible push
+constexpr double kLargestBurst = 3;     // the limit of the parameter
 
-/// Whether both give the same lengths and lips of notes.
+/// True if both sets of parameters give the same lengths and lips for notes.
 bool same_note_parameters(const Parameters& a, Parameters b) {
   b.gain = a.gain;
   b.played_gain = a.played_gain;
@@ -95,7 +97,7 @@ const Player::Configuration& Player::control(double bore_frequency, double reed_
   return configuration_;
 }
 
-/// The note, or the one that is played instead when it is refused.
+/// The note, or the note that is played instead when this one is refused.
 double Player::accept_note(double frequency) noexcept {
   const double quarter_tone = std::exp2(1.0 / 24);
   const double lowest = parameters_.lowest_note, highest = parameters_.highest_note;
@@ -104,7 +106,7 @@ double Player::accept_note(double frequency) noexcept {
     refusing_ = false;
     return frequency;
   }
-  // Counted once per note; a glide counts as one.
+  // A refused note is counted once; a glide counts as one note.
   const bool already_counted =
       refusing_ && std::abs(frequency - refusal_.note) < TuningController::kMinLeap * refusal_.note;
   refusal_.note = frequency;
@@ -113,7 +115,7 @@ double Player::accept_note(double frequency) noexcept {
   return note_ > 0 ? note_ : low ? lowest : highest;
 }
 
-/// Length and lips for f_b.
+/// Chooses length and lips for f_b.
 void Player::choose_configuration(double reed_frequency) noexcept {
   const double requested = note_of(parameters_, bore_frequency_);
   double f = std::clamp(requested, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
@@ -176,7 +178,7 @@ double Player::fixed_tube_length() const noexcept {
              : 0;
 }
 
-/// The fingering for f_b. Bends and vibrato within kBend keep the present one.
+/// Chooses the fingering for f_b. Bends and vibrato within kBend keep the present fingering.
 void Player::finger(double frequency, bool leap) noexcept {
   constexpr double kBend = 0.8; // semitones
   const bool keep_fingering =
@@ -189,10 +191,10 @@ void Player::finger(double frequency, bool leap) noexcept {
   fingering_end_ = parameters_.end;
 }
 
-/// Length and lips for holes fingered one by one. Holes are placed so that the standard fingerings
-/// are in tune at the instrument's own f_r, including the reed's compliance and swept volume. The
-/// length to the first open hole is therefore that of the note whose standard fingering opens all
-/// holes from there on.
+/// Sets length and lips for holes fingered one by one. Holes are placed so that the standard
+/// fingerings are in tune at the instrument's own f_r, including the reed's compliance and swept
+/// volume. The length to the first open hole is therefore that of the note whose standard fingering
+/// opens all holes from there on.
 void Player::use_open_holes() noexcept {
   note_ = 440 * std::exp2((holes_->key - 69) / 12.0);
   lips_ = player_lips(parameters_, note_).valve;
@@ -229,7 +231,7 @@ double Player::burst() const noexcept {
   return std::clamp((1 + excess) * relative_closing_pressure_ - 1, kSmallestBurst, kLargestBurst);
 }
 
-/// Updates r by the mouth pressure, Pa; true when it has changed.
+/// Updates r from the mouth pressure, Pa; true when it has changed.
 bool Player::follow_breath(double mouth_pressure) noexcept {
   constexpr double kSteady = 1e-4; // relative; smaller differences are ignored
   if (!(parameters_.breath_reference > 0) || !(mouth_pressure >= 0)) {
@@ -259,7 +261,7 @@ void Player::update_lips() noexcept {
   configuration_.valve.quality *= std::pow(breath_, parameters_.breath_quality);
 }
 
-/// Trims the pitch by exp(logarithm): by the bore, and by the lips where they follow the note.
+/// Trims the pitch by exp(logarithm): by the bore, and by the lips if they follow the note.
 /// Inaudible changes are skipped, because a constant bore is cheaper to compute.
 void Player::set_trim(double logarithm, bool moved) noexcept {
   constexpr double kInaudible = 1e-4; // 0.17 cents

@@ -14,8 +14,8 @@ namespace tactus::reed {
 
 /// Notes outside the compass that were requested and refused.
 struct Refusal {
-  unsigned count = 0; ///< of notes refused so far
-  double note = 0;    ///< the last of them: f_b, Hz
+  unsigned count = 0; ///< number of notes refused so far
+  double note = 0;    ///< the last refused note: f_b, Hz
 };
 
 /// A model of the player: from the target note f_b to the settings of valve and bore. With `tune 0`
@@ -24,10 +24,10 @@ struct Refusal {
 ///
 /// Breath: with breath_reference > 0 the lips follow the mouth pressure p. r = p/breath_reference
 /// is smoothed (3 ms up, 60 ms down) and limited to kMinBreathRatio..kMaxBreathRatio; theta_0 is
-/// multiplied by r^breath_opening, stiffness and mass by r^breath_tension. With both 1/2 the jet's
-/// flow w x sqrt(2 dp/rho) and the valve's force k x_0 grow as p. Valve and linear bore then behave
-/// alike at every pressure, except for the channel's inertance and the swept flow. With smaller
-/// powers p/P_M grows with p, from a soft sound to a beating reed.
+/// multiplied by r^breath_opening, stiffness and mass by r^breath_tension. If both powers are 1/2,
+/// the jet's flow w x sqrt(2 dp/rho) and the valve's force k x_0 grow as p. Valve and linear bore
+/// then behave alike at every pressure, except for the channel's inertance and the swept flow. With
+/// smaller powers p/P_M grows with p, from a soft sound to a beating reed.
 ///
 /// Compass: a note below lowest_note or above highest_note (half a semitone to spare) is refused.
 /// The last good note continues, or the nearest limit when there was none.
@@ -36,10 +36,10 @@ struct Refusal {
 /// again, every other time with a soft attack, up to kMaxAttempts times.
 ///
 /// Tongue: the burst (tongue.hpp) brings the valve to the ratio of pressure to closing pressure at
-/// which notes grow fastest. 1 + burst is proportional to P_M/p, that is
-/// r^(breath_opening + breath_tension - 1). A low note has fewer cycles to grow in, so that the
-/// excess goes as f^(-3/2) and, because a strong one makes a reed's low notes jump, as r^(-1/2).
-/// For lips, which are tuned to the note, it goes as f^(-1/2) alone.
+/// which notes grow fastest. 1 + burst is proportional to P_M/p, that is r^(breath_opening +
+/// breath_tension - 1). A low note has fewer cycles to grow in, so that the excess goes as f^(-3/2)
+/// and, because a strong one makes a reed's low notes jump, as r^(-1/2). For lips, which are tuned
+/// to the note, it goes as f^(-1/2) alone.
 ///
 /// Called once per control period. Nothing here allocates.
 class Player {
@@ -54,37 +54,37 @@ public:
     double length = 0.48;             ///< L, m
     double reed_scale = 1;            ///< factor on the f_r that the instrument is given
     double trim = 0;                  ///< ln of the factor on the pitch, by TuningController
-    const Termination* end = nullptr; ///< of the bore; null: an open end
+    const Termination* end = nullptr; ///< end of the bore; null: an open end
     double vent = 0;                  ///< share of the register vent that is open
-    bool valve_changed = false;       ///< since the control period before
+    bool valve_changed = false;       ///< the valve has changed since the last control period
   };
 
   void prepare(double sample_rate) noexcept;
-  /// Takes clamped parameters and their bore. Lengths and corrections of notes are cleared where
-  /// the parameters affect them.
+  /// Takes clamped parameters and their bore. Lengths and corrections of notes are cleared if the
+  /// parameters affect them.
   void set(const Parameters& parameters, const BoreDesign& bore) noexcept;
   void reset() noexcept;
-  /// Sets holes fingered one by one in place of the fingerings of notes; null: those of notes
-  /// again. holes must outlive their use. The bore then ends at the first open hole, the pitch is
-  /// not corrected, and f_b is ignored. vent: share of the register vent that is open.
+  /// Sets holes fingered one by one in place of the fingerings of notes; null: the fingerings of
+  /// notes again. holes must outlive their use. The bore then ends at the first open hole, the
+  /// pitch is not corrected, and f_b is ignored. vent: share of the register vent that is open.
   void finger(const Termination* holes, double vent = 0) noexcept {
     holes_ = holes;
     holes_vent_ = vent;
     update_due_ = true;
   }
 
-  /// Due once per control period: f_b in Hz (not above 0: the parameters' length), f_r in Hz, p_m
-  /// in Pa (below 0 or NaN: the lips stay as at breath_reference).
+  /// To be called once per control period: f_b in Hz (0 or less: the parameters' length), f_r in
+  /// Hz, p_m in Pa (below 0 or NaN: the lips stay as at breath_reference).
   const Configuration& control(double bore_frequency, double reed_frequency,
                                double mouth_pressure) noexcept;
   /// Whether the player plays a note: valve and bore then follow without low-pass.
   [[nodiscard]] bool plays() const noexcept { return plays_; }
-  /// The note being played, Hz; not f_b where that is refused or `fingering` is set. 0: none.
+  /// The note being played, Hz; not f_b if f_b is refused or `fingering` is set. 0: none.
   [[nodiscard]] double note() const noexcept { return note_; }
   [[nodiscard]] const Refusal& refusal() const noexcept { return refusal_; }
   /// Whether the pitch is corrected, which needs track_pitch().
   [[nodiscard]] bool tracks_pitch() const noexcept { return tracks_pitch_; }
-  /// The samples of bore pressure since control(), Pa; at most kControlPeriod of them.
+  /// Takes the samples of bore pressure since control(), Pa; at most kControlPeriod of them.
   void track_pitch(const double* bore_pressure, int count) noexcept {
     tuning_controller_.track_pitch(bore_pressure, count);
   }
@@ -92,7 +92,8 @@ public:
   /// Tongues the note: the breath stops for some 5 ms and returns at once.
   void articulate() noexcept { tongue_.articulate(); }
   /// Applies the tongue to count <= kControlPeriod samples of mouth pressure, Pa, in place, limited
-  /// to `highest`. V is that of ReedBank; of several lanes the first controls the tongue.
+  /// to `highest`. V is that of ReedBank; if there are several lanes, the first controls the
+  /// tongue.
   template <class V> void apply_tongue(V* mouth_pressure, int count, double highest) noexcept {
     if (!plays_)
       return;
@@ -123,15 +124,15 @@ private:
   TuningController tuning_controller_{};
   Tongue tongue_{};
   Configuration configuration_{};
-  double bore_frequency_ = 0; // as given
+  double bore_frequency_ = 0; // f_b as given
   double note_ = 0;           // f_b played, Hz; 0: none yet
   const Termination* holes_ = nullptr;
   double holes_vent_ = 0;
-  Fingering fingering_{}; // of the note
-  Parameters lips_{};     // for the note, at breath_reference
+  Fingering fingering_{}; // fingering of the note
+  Parameters lips_{};     // lips for the note, at breath_reference
   BoreEnd fingering_end_ = BoreEnd::kOpen;
   double breath_ = 1;                    // p/breath_reference, smoothed and bounded
-  double rise_gain_ = 1, fall_gain_ = 1; // of the smoothing, per control period
+  double rise_gain_ = 1, fall_gain_ = 1; // gains of the smoothing, per control period
   double relative_closing_pressure_ = 1; // P_M/p, relative to that at breath_reference
   double note_reed_scale_ = 1;           // factor on f_r for the note, without the trim
   Refusal refusal_{};

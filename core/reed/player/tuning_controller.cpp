@@ -74,7 +74,7 @@ void TuningController::restart_note(double silence) noexcept {
   silence_count_ = static_cast<int>(silence * sample_rate_ / kPeriod);
 }
 
-/// Counts measurements off target; two good ones outweigh one.
+/// Counts measurements off target; two on target outweigh one off target.
 void TuningController::count_off_target(bool off_target) noexcept {
   if (silence_count_ == 0)
     off_target_count_ = std::max(0, off_target_count_ + (off_target ? 2 : -1));
@@ -87,8 +87,8 @@ void TuningController::restart_smoothing() noexcept {
   off_target_count_ = 0;
 }
 
-/// Changes the trim at the target by difference: that of both neighbouring notes by their weights,
-/// unconfirmed ones in full.
+/// Changes the trim at the target by `difference`: the trims of both neighbouring notes by their
+/// weights, or in full if they are unconfirmed.
 void TuningController::adjust_trim(double difference) noexcept {
   Correction& below = corrections_[note_];
   Correction& above = corrections_[note_ + 1];
@@ -145,8 +145,8 @@ void TuningController::track_pitch(const double* bore_pressure, int count) noexc
     sums.imaginary -= pressure * sine_[at];
     sums.power += pressure * pressure;
   };
-  // Even and odd samples have sums of their own: two shorter dependency chains. Which sum takes a
-  // sample does not depend on how the stream is cut into blocks.
+  // Even and odd samples have sums of their own, which makes two shorter dependency chains. Which
+  // sum takes a sample does not depend on how the stream is cut into blocks.
   Sums even = even_, odd = odd_;
   int i = 0;
   if (sample_count_ % 2 == 1 && count > 0)

@@ -41,12 +41,12 @@ public:
   void set_target(double frequency_hz) noexcept;
   /// Takes the next samples of bore pressure, Pa; at most kPeriod between two calls of update().
   void track_pitch(const double* bore_pressure, int count) noexcept;
-  /// Updates the trim; due after each kPeriod samples.
+  /// Updates the trim; to be called after every kPeriod samples.
   void update() noexcept;
   /// ln of the factor by which the pitch is to change from that of linear theory (tuned()).
   [[nodiscard]] double trim() const noexcept { return trim_; }
-  /// Whether another register than the target's has sounded for kWrongRegisterTime: no trim reaches
-  /// the target from there.
+  /// True if a register other than that of the target has sounded for kWrongRegisterTime; no trim
+  /// reaches the target from there.
   [[nodiscard]] bool wrong_register() const noexcept {
     return off_target_count_ * kPeriod > 2 * kWrongRegisterTime * sample_rate_;
   }
@@ -68,7 +68,7 @@ private:
     bool confirmed = false; // the note has sounded in tune
   };
   static constexpr double kLowest = 8; // Hz, of the first remembered note
-  static constexpr double kSteps = 24; // per octave
+  static constexpr double kSteps = 24; // steps per octave
   static constexpr std::size_t kCount = 240;
 
   void select_note(double frequency_hz, bool leap) noexcept;
@@ -83,7 +83,7 @@ private:
   Sums even_, odd_;
   std::complex<double> phase_step_ = 1, phase_ = 1, smoothed_ = 0, twice_smoothed_ = 0;
   double pitch_rate_ = 0, smoothed_pitch_rate_ = 0,
-         twice_smoothed_pitch_rate_ = 0; // of ln f, per measurement
+         twice_smoothed_pitch_rate_ = 0; // rates of ln f, per measurement
   // Sum of all changes of the trim: as requested, as the sound follows, as the filters show it.
   double correction_ = 0, sounded_correction_ = 0, smoothed_correction_ = 0,
          twice_smoothed_correction_ = 0, response_pole_ = 0;
@@ -93,7 +93,7 @@ private:
   int off_target_count_ = 0; // +2 per measurement off target, -1 per other
   std::array<Correction, kCount> corrections_{};
   std::size_t note_ = 0; // index of the remembered note below the target
-  double fraction_ = 0;  // position of the target between that and the next
+  double fraction_ = 0;  // position of the target between that note and the next
   double pole_ = 0, smoothing_delay_ = 0, time_constant_ = 0.1, mean_power_ = 0, power_pole_ = 0,
          trim_ = 0;
   int sample_count_ = 0;
