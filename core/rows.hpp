@@ -121,7 +121,12 @@ private:
 /// A member, or a member of a member.
 template <auto first, auto... rest> struct MemberAccess {
   using Object = typename MemberOf<first>::Owner;
-  template <class O> static constexpr auto& of(O& object) { return ((object.*first).*....*rest); }
+  template <class O> static constexpr auto& of(O& object) {
+    if constexpr (sizeof...(rest) == 0)
+      return object.*first;
+    else
+      return MemberAccess<rest...>::of(object.*first);
+  }
   static constexpr double get(const Object& object) { return static_cast<double>(of(object)); }
   static constexpr void set(Object& object, double number) {
     auto& member = of(object);

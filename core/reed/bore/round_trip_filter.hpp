@@ -95,7 +95,7 @@ public:
   }
 
   /// Calls change(V&) for each number of the state of the wall loss alone.
-  template <class Change> void each_loss(Change change) noexcept { loss_.each(change); }
+  template <class Change> void each_loss(const Change& change) noexcept { loss_.each(change); }
 
   /// The filter for a block of samples, with coefficients and state in registers; its destructor
   /// stores the state.
