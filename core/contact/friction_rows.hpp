@@ -18,15 +18,15 @@ inline constexpr std::array kFrictionRows{
         "Stribeck velocity: sliding speed above which friction falls to `dynamic`"),
     member<&FrictionLaw::breakaway>.row(
         "breakaway", "", 0.01, 0.99,
-        "share of the sliding force up to which the bristles only bend"),
+        "share of the dynamic friction force below which bristles only bend"),
     member<&FrictionLaw::stiffness_n_per_m>.row("stiffness", "N/m", 10, 1e9,
                                                 "bristle stiffness sigma0"),
     member<&FrictionLaw::damping_ns_per_m>.row("damping", "N s/m", 0, 1e6,
                                                "bristle damping sigma1"),
     member<&FrictionLaw::viscosity_ns_per_m>.row("viscosity", "N s/m", 0, 1e4,
-                                                 "viscous friction sigma2, as of a lubricant"),
+                                                 "viscous friction sigma2, as by a lubricant"),
     member<&FrictionLaw::roughness>.row(
-        "roughness", "", 0, 100, "random friction force over sqrt(normal force times speed)"),
+        "roughness", "", 0, 100, "random friction force divided by sqrt(normal force times speed)"),
 };
 
 } // namespace tactus::contact

@@ -78,19 +78,19 @@ struct ContactFriction::Rows {
              std::array{
                  property<&Self::seed, &Self::set_seed>.seed<"seed of the roughness">(),
                  property<&Body::mass, &Body::set_mass, &Self::body_>.row(
-                     "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
+                     "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of a mode with gain 1"),
                  member<&Self::steps_>.then<&Self::update_steps>().row(
                      "steps", "", 1, 1, 64,
-                     "least number of integration steps a sample; a light body takes up to 8 "
-                     "without being asked"),
+                     "minimum number of integration steps a sample; light bodies get up to 8 "
+                     "automatically"),
                  property<&Body::gain, &Body::set_gain, &Self::body_>.row(
-                     "gain", "s/m", kGain, 0, 1e5, "output for a body velocity of 1 m/s"),
+                     "gain", "s/m", kGain, 0, 1e5, "output at a body velocity of 1 m/s"),
              });
   static constexpr std::array messages{
       action<&Self::body_, &Body::parse_modes>(contact::kModesMessage),
       action<&Self::body_, &Body::parse_pickup>(contact::kPickupMessage),
       realtime(
-          action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, bristles unbent")),
+          action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, bristles straight")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "velocity", "m/s", "velocity of the rubbing surface"},
@@ -99,16 +99,16 @@ struct ContactFriction::Rows {
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "velocity of the body times `gain`, within +-1"},
-      Port{Port::Kind::kSignal, "friction", "N", "force along the surface, on the body"},
+      Port{Port::Kind::kSignal, "friction", "N", "friction force along the body's surface"},
   };
 };
 
 inline constexpr Declaration ContactFriction::declaration{
     "contact_friction~",
     "a surface rubs a body: squeaks, creaks, bows and brakes",
-    "A moving surface presses on a body of up to 64 modes and drags it by elasto-plastic "
-    "bristles that bend, let go and slip, coupled both ways. Pressure and speed are signals. No "
-    "setting and no sample rate can add energy.",
+    "A moving surface rubs a body of up to 64 modes. Elasto-plastic bristles between the two bend "
+    "and slip, so that each acts on the other. Pressure and speed are signals. No setting and no "
+    "sample rate can add energy.",
     "physical model friction stick slip squeak creak bow modal synthesis",
     Rows::inlets,
     Rows::outlets,

@@ -117,18 +117,18 @@ struct ContactImpact::Rows {
           "stiffness", "N/m^exponent", 1, 1e16, "contact stiffness k"),
       member<&Self::law_, &Law::exponent>.then<&Self::update_law>().row(
           "exponent", "", 1, 4,
-          "exponent of the contact law: 1 a spring, 1.5 round bodies, above that felt"),
+          "exponent of the contact law: 1: spring, 1.5: round bodies, above 1.5: felt"),
       member<&Self::law_, &Law::dissipation_s_per_m>.then<&Self::update_law>().row(
           "dissipation", "s/m", 0, 1000,
           "contact dissipation mu; the energy loss grows with mu times the impact speed"),
       member<&Self::gravity_m_per_s2_>.row("gravity", "m/s^2", 0, 0, 1000,
                                            "acceleration of the mass towards the body"),
-      property<&Body::mass, &Body::set_mass, &Self::body_>.row(
-          "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
+      property<&Body::mass, &Body::set_mass, &Self::body_>.row("body", "kg", kBodyMass, 1e-4, 1e5,
+                                                               "modal mass of a mode with gain 1"),
       property<&Body::gain, &Body::set_gain, &Self::body_>.row(
-          "gain", "s/m", kGain, 0, 1e5, "output for a body velocity of 1 m/s"),
+          "gain", "s/m", kGain, 0, 1e5, "output at a body velocity of 1 m/s"),
       member<&Self::variation_>.row("variation", "", 0, 0, 1,
-                                    "scatter of the strikes' speed: 0 none, 1 that of a hand"),
+                                    "scatter of the strikes' speed: 0: none, 1: as by a hand"),
       property<&Self::seed, &Self::set_seed>.seed<"seed of the variation">(),
   };
   static constexpr std::array messages{
@@ -136,7 +136,7 @@ struct ContactImpact::Rows {
       action<&Self::body_, &Body::parse_pickup>(contact::kPickupMessage),
       realtime(action<&Self::strike>(
           "strike", "v", 1, 1,
-          "strike: the mass meets the body at v m/s; 0: it is laid on the body")),
+          "strike: the mass hits the body at v m/s; 0: lay the mass on the body")),
       realtime(action<&Self::launch>("bang", "", 0, 0, "repeat the last strike or drop")),
       realtime(action<&Self::drop>("drop", "h", 1, 1,
                                    "drop the mass from h mm; needs `gravity` above 0")),
@@ -156,9 +156,9 @@ struct ContactImpact::Rows {
 inline constexpr Declaration ContactImpact::declaration{
     "contact_impact~",
     "a mass strikes, presses or bounces on a body",
-    "A mass meets a body of up to 64 modes through a contact that stiffens and loses as real "
-    "ones do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
-    "changes the tone. No setting and no sample rate can add energy.",
+    "A mass strikes a body of up to 64 modes through a nonlinear contact with losses, coupled in "
+    "both directions: heavy masses stay longer, light masses bounce back, and pressing changes the "
+    "tone. No setting and no sample rate can add energy.",
     "physical model impact contact modal synthesis percussion",
     Rows::inlets,
     Rows::outlets,

@@ -25,11 +25,11 @@ inline constexpr ModeRanges kModeRanges{1, 20000, 1e-3, 1000, -kMaxGain, kMaxGai
 /// The messages, in the order in which both objects declare them first.
 inline constexpr Message kModesMessage{
     "modes", "f1 t1 g1 f2 t2 g2 ... or none", 1, 3 * kMaxModes,
-    "modes of the body: frequency in Hz, decay time T60 in s, and gain, the mode's displacement at "
-    "the contact point; none: a rigid wall, which makes no sound"};
+    "modes of the body: frequency in Hz, decay time T60 in s, and gain (displacement of the mode "
+    "at the contact point); none: a silent rigid wall"};
 inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMaxModes,
-    "gains of the modes at the pickup; without numbers those of the contact point"};
+    "gains of the modes at the pickup; without numbers as at the contact point"};
 
 /// The box's positional argument: the body.
 inline constexpr std::array kBodyArguments{CreationArgument{"modes"}};

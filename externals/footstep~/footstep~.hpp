@@ -159,7 +159,7 @@ struct Footstep::Rows {
           "source", sources,
           "source of the steps: the built-in walker, or the forces at the inlets"),
       property<&Self::walks, &Self::set_walk>.row(
-          "walk", "switch of the walker: 1 starts to walk; 0 stops after one more step", 0),
+          "walk", "switch of the walker: 1 starts; 0 stops after one more step", 0),
       applied<&Settings::speed_m_per_s>.row(
           "speed", "m/s", 0.3, 8, "walking speed on level ground; sneaking and stairs are slower"),
       property<&Self::runs, &Self::set_run>.row(
@@ -167,25 +167,25 @@ struct Footstep::Rows {
       applied<&Settings::weight_n>.row("weight", "N", 1, 10000,
                                        "body weight, which scales forces and impacts"),
       applied<&Settings::shoe>.row("shoe", "", 0, 1,
-                                   "hardness of the sole: 0 soft or barefoot, 1 hard"),
+                                   "hardness of the sole: 0: soft or barefoot, 1: hard"),
       member<&Self::settings_, &Settings::feet>.row("feet", "", 1, 2, "number of feet"),
       applied<&Settings::variation>.row("variation", "", 0, 0.5,
                                         "variation from step to step (people: 0.03 to 0.05)"),
       member<&Self::settings_, &Settings::in_weights>.row(
           "unit", units, "unit of the inlets' forces: newtons or body weights"),
       applied<&Settings::mix>.row("mix", "", 0, 1,
-                                  "mix of two surfaces: 0 the first, 1 the second"),
+                                  "mix of two surfaces: 0: the first, 1: the second"),
       member<&Self::settings_, &Settings::gain>.row("gain", "", 0, 1000, "gain of the sound"),
       applied<&Settings::drive_gain>.row("drive_gain", "", 0, 1000, "gain of the actuator signals"),
       applied<&Settings::sensitivity_g>.row("sensitivity", "g", 0.01, 100,
                                             "acceleration of the actuator at a signal of 1"),
-      applied<&Settings::limit_g>.row("limit", "g", 0, 3, "largest acceleration of the actuator"),
+      applied<&Settings::limit_g>.row("limit", "g", 0, 3, "maximum acceleration of the actuator"),
       applied<&Settings::delay_ms>.row(
           "delay", "ms", 0, 200, "delay of the actuator signals, to match a slower audio path"),
       applied<&Settings::common>.row("common", "", 0, 1,
-                                     "distribution of the actuator signals: 0 each plays its own "
-                                     "contact, 1 both play the whole foot, weighted by force"),
-      property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random">(),
+                                     "distribution of the actuator signals: 0: own contact in "
+                                     "each; 1: the whole foot in both, weighted by force"),
+      property<&Self::seed, &Self::set_seed>.seed<"seed of all random numbers">(),
       applied<&Settings::room>.row("room", "", 0, 10,
                                    "gain of the surface's own room response; 0: outdoors"),
       applied<&Settings::gait>.row("gait", styles, "gait of the walker"),
@@ -196,30 +196,30 @@ struct Footstep::Rows {
           "[left|right] "
           "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
           "dirt|puddle|water|carpet|file.txt [another [mix]]",
-          1, 4, "surface under both feet or one; a second surface and its share")),
-      realtime(
-          action<&Self::step>("step", "[left|right]", 0, 1,
-                              "make one step; a foot that is down lands again beside its place")),
+          1, 4, "surface under both feet or one foot; second surface and its share")),
+      realtime(action<&Self::step>(
+          "step", "[left|right]", 0, 1,
+          "make one step; a foot on the ground lands again beside its position")),
       realtime(action<&Self::step_next>("bang", "", 0, 0,
-                                        "make one step; with `feet 2` left and right in turn")),
+                                        "make one step; with `feet 2` alternate left and right")),
       realtime(action<&Self::turn>(
           "turn", "[degrees]", 0, 1,
           "pivot in the next step by 1 to 180 degrees (90): the loaded ball of the foot slides")),
       realtime(action<&Self::jump>(
           "jump", "[m]", 0, 1,
-          "crouch, jump 0.01 to 1 m high (0.3) on both feet and land; a walker stops first")),
+          "crouch, jump 0.01 to 1 m high (0.3) with both feet, land; a walker stops first")),
       realtime(action<&Self::scuff>(
           "scuff", "[left|right]", 0, 1,
           "scuff: the ball of the foot strikes and slides 15 cm, in its next swing or at once")),
       realtime(action<&Self::drag>("drag", "[left|right] [m [m/s]]", 0, 3,
-                                   "slide that foot 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) "
-                                   "under 30 % of the weight; a walker does so in its next swing")),
+                                   "slide a foot 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under "
+                                   "30 % of the weight; a walker does it in its next swing")),
       action<&Self::calibrate>("calibrate", "heel|ball [reading N reading N ...]", 1, 65,
                                "calibration of a sensor: at least five rising pairs of reading and "
                                "newtons; without pairs the reading is the force"),
       action<&Self::equalise>("equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
-                              "equaliser of the actuator signals: response of the actuator in dB "
-                              "at these frequencies in Hz; without numbers flat"),
+                              "equaliser of the actuator signals, from the actuator's response in "
+                              "dB at frequencies in Hz; without numbers: flat"),
       action<&Self::list_surfaces>("surfaces", "", 0, 0,
                                    "send the names of the fifteen surfaces to the info outlet"),
       realtime(action<&Self::reset>("reset", "", 0, 0,
@@ -227,7 +227,7 @@ struct Footstep::Rows {
   };
   static constexpr std::array arguments{CreationArgument{"surface"}};
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "heel", "N", "force under the (left) heel (sensors)"},
+      Port{Port::Kind::kSignal, "heel", "N", "sensor force under the (left) heel"},
       Port{Port::Kind::kSignal, "ball", "N", "force under the ball of the (left) foot"},
       Port{Port::Kind::kSignal, "heel_2", "N", "force under the right heel (feet 2)"},
       Port{Port::Kind::kSignal, "ball_2", "N", "force under the right ball (feet 2)"},
@@ -249,9 +249,9 @@ struct Footstep::Rows {
 inline constexpr Declaration Footstep::declaration{
     "footstep~",
     "steps on any ground, heard and felt",
-    "The force under heel and ball, from sensors, a recording or a walker made here, meets a "
-    "ground made of a readable recipe: masses that strike, boards that rub, grains and bubbles. "
-    "Sound for the ears and drives for actuators under heel and ball come from the same motion.",
+    "The force under heel and ball comes from sensors, a recording or a simulated walker. It acts "
+    "on a surface whose recipe is a text file: masses that strike, boards that rub, grains and "
+    "bubbles. Sound and signals for actuators under heel and ball come from the same motion.",
     "footsteps walking gait ground surface haptic vibrotactile physical model",
     Rows::inlets,
     Rows::outlets,

@@ -142,20 +142,21 @@ struct GreedGradient::Rows {
           std::array{
               property<&Gradient::delta, &Gradient::set_delta, &Self::gradient_>.row(
                   "delta", "", 0.01, 1e-3, 0.25,
-                  "distance of the four neighbours, relative to the plane's side"),
+                  "distance of the four neighbours, relative to a side of the plane"),
               property<&Gradient::mode, &Gradient::set_mode, &Self::gradient_>.row(
                   "mode", modes,
-                  "guidance by the playability of five reeds, by the growth rate of linear theory, "
-                  "or towards the nearest note",
+                  "source of the guidance: playability of five reeds, growth rate by linear "
+                  "theory, or the nearest note",
                   0),
               property<&Gradient::ceiling, &Gradient::set_ceiling, &Self::gradient_>.row(
                   "ceiling", "N", 2, 0, 40,
-                  "largest force: on each axis with reed and growth, of the vector with guide"),
+                  "maximum force: per axis in modes reed and growth, of the vector in mode guide"),
               property<&Gradient::force_gain, &Gradient::set_force_gain, &Self::gradient_>.row(
-                  "force_gain", "N", 0.3, 0, 100, "force for a slope of 1, with reed and growth"),
+                  "force_gain", "N", 0.3, 0, 100,
+                  "force for a slope of 1 in modes reed and growth"),
               member<&Self::background_>.row("background",
                                              "switch: 1 computes maps in a thread; 0 in the host's "
-                                             "time, 3000 nodes a second, as always in a render",
+                                             "time, 3000 nodes a second, as every render does",
                                              1),
           }),
       rows_of_field<&Self::estimator, &Self::take_estimator, reed::kPlayabilityRows>());
@@ -163,18 +164,18 @@ struct GreedGradient::Rows {
       action<&Self::take_preset>(greed::kPresetMessage),
       action<&Self::take_range>(greed::kRangeMessage),
       realtime(action<&Self::gradient_, &Gradient::reset>("reset", "", 0, 0,
-                                                          "stop: valves at rest, air still")),
+                                                          "stop all motion of valves and air")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "y", "", "hand's height 0..1: mouth pressure"},
       Port{Port::Kind::kSignal, "z", "", "hand's depth 0..1: reed frequency"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: as `own_length` gives it"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: from `own_length`"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "sound of the hand's reed, within +-1"},
-      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, each block"},
-      Port{Port::Kind::kControl, "gradient", "", "slope g_y g_z for one unit of y and of z"},
-      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
+      Port{Port::Kind::kControl, "f_p", "", "playability of the hand's reed"},
+      Port{Port::Kind::kControl, "gradient", "", "slope g_y g_z per unit of y and of z"},
+      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while it computes"},
       Port{Port::Kind::kControl, "force", "N", "list F_y F_z on the hand"},
   };
 };
@@ -182,12 +183,12 @@ struct GreedGradient::Rows {
 inline constexpr Declaration GreedGradient::declaration{
     "greed_gradient~",
     "a reed and the slope of its playability in one object",
-    "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
-    "reed frequency and one on each side of it, estimated as by playability~; their differences "
-    "are the slope that guides the hand. Costs a third more than one greed~. In mode growth the "
-    "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
-    "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "
-    "its own when anything changes, while the last one goes on: map 0..1 at the info outlet.",
+    "Five reeds of one instrument: one at the hand's point in the plane of mouth pressure and reed "
+    "frequency, and one on each side of it. Differences of their playability are the slope that "
+    "guides the hand. The object costs a third more than one greed~. In mode growth the slope "
+    "comes from linear theory and leads also out of silence. In mode guide the force pulls to the "
+    "nearest note and is zero there. Both modes need a map, which a thread computes after each "
+    "change, while the old map stays in use: map 0..1 at the info outlet.",
     "reed lips haptic gradient playability guidance",
     Rows::inlets,
     Rows::outlets,

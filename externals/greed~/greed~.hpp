@@ -136,23 +136,23 @@ struct Greed::Rows {
   }();
   static constexpr std::array messages{
       action<&Greed::take_preset>(greed::kPresetMessage),
-      realtime(action<&Greed::restart>("reset", "", 0, 0, "stop: valve at rest, air still")),
+      realtime(action<&Greed::restart>("reset", "", 0, 0, "stop all motion of valve and air")),
       realtime(
           action<&Greed::articulate>("tongue", "", 0, 0, "tongue the note again, with `tune 1`")),
       action<&Greed::finger>(
           "holes", "CLOSED...", 1, 33,
-          "state of the register vent and of each tone hole from the reed down, with `tune`: 1 "
-          "closed, 0 open, between them partly covered; `fingering` ends it"),
+          "states of register vent and tone holes from the reed down, with `tune 1`: 1: closed, 0: "
+          "open, between: partly covered; `fingering` replaces them"),
       action<&Greed::set_valves>("valves", "[VALVE...|auto]", 0, 3,
-                                 "valves pressed, any of 1 2 3, with `tune` and `end trumpet`; "
-                                 "auto: chosen by the player"),
+                                 "pressed valves, any of 1 2 3, with `tune 1` and `end trumpet`; "
+                                 "auto: the player chooses"),
       realtime(action<&Greed::bang>("bang", "", 0, 0, "tongue the note again, with `tune 1`")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},
       Port{Port::Kind::kSignal, "f_r", "Hz",
            "natural frequency of the valve; 0: the parameter `f_r`"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: as `own_length` gives it"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: from `own_length`"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "radiated pressure times `gain`, within +-1"},
@@ -165,9 +165,9 @@ struct Greed::Rows {
 inline constexpr Declaration Greed::declaration{
     "greed~",
     "generalised pressure-controlled valve on a bore",
-    "A reed, a pair of lips, vocal folds or a syrinx, blown by a mouth pressure on a cylindrical "
-    "or conical bore: blown closed, blown open or swinging door, by the sign of its rest angle "
-    "and a stop. Everything is in SI units and can be changed while it sounds.",
+    "Mouth pressure drives a reed, lips, vocal folds or a syrinx on a cylindrical or conical bore. "
+    "The sign of the rest angle and a stop make the valve blown closed, blown open or a swinging "
+    "door. All parameters have SI units and can change while it sounds.",
     "physical model reed lips wind instrument waveguide synthesis",
     Rows::inlets,
     Rows::outlets,

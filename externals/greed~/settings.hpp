@@ -21,7 +21,7 @@ namespace tactus::greed {
 /// The messages `preset` and `range`, and the box's positional argument.
 inline constexpr Message kPresetMessage{
     "preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
-    "instrument: sets all of valve and bore; in objects with a range also one in which it plays"};
+    "instrument: sets valve and bore; in objects with a range, also a range in which it plays"};
 inline constexpr Message kRangeMessage{
     "range", "p_lo p_hi f_lo f_hi", 4, 4,
     "range of the plane: mouth pressure in Pa at y = 0 and 1, reed frequency in Hz at z = 0 and 1"};

@@ -64,16 +64,15 @@ struct HapticServerObject::Rows {
   template <auto limit> static constexpr auto limits = member<&Self::limits_, limit>;
   static constexpr std::array parameters{
       limits<&Limits::port>.row("port", "", 0, 65535,
-                                "TCP port from the next `open` on; 0: any that is free"),
-      limits<&Limits::force_n>.row(
-          "forcemax", "N", 0.01, 40,
-          "largest force that a client can ask for, from the next `open` on"),
+                                "TCP port from the next `open` on; 0: any free port"),
+      limits<&Limits::force_n>.row("forcemax", "N", 0.01, 40,
+                                   "maximum force for clients, from the next `open` on"),
       limits<&Limits::stiffness_n_per_m>.row(
           "stiffness", "N/m", 0, 20000,
-          "largest stiffness of a client's spring, from the next `open` on"),
+          "maximum stiffness of a client's spring, from the next `open` on"),
       limits<&Limits::damping_n_s_per_m>.row(
           "damping", "N s/m", 0, 1000,
-          "largest damping of a client's damper, from the next `open` on"),
+          "maximum damping of a client's damper, from the next `open` on"),
       limits<&Limits::grab_mm>.row(
           "grab", "mm", 0, 1000,
           "distance at which the handle grabs control points, from the next `open` on"),
@@ -84,16 +83,16 @@ struct HapticServerObject::Rows {
                           "open the port on this machine, or at the address of `listen`"),
       action<&Self::close>("close", "", 0, 0, "close all connections; the force becomes zero"),
       action<&Self::set_address>("listen", "address|loopback", 1, 1,
-                                 "numeric address of the port; any but loopback needs a token"),
+                                 "numeric address of the port; all but loopback need a token"),
       action<&Self::set_token>("token", "file", 1, 1,
-                               "file with the 16 to 1024 bytes that every client must send"),
+                               "file of 16 to 1024 bytes that every client must send"),
       action<&Self::set_workspace>("workspace", "xmin ymin zmin xmax ymax zmax", 6, 6,
                                    "workspace of the handle, mm, that clients receive"),
       action<&Self::set_button>("button", "n 0|1", 2, 2,
                                 "state of a button of the handle; button 0 drags control points"),
       action<&Self::stop>("estop", "", 0, 0,
                           "emergency stop: no force until `motors 1` and a client's start"),
-      action<&Self::enable>("motors", "1", 1, 1, "release the emergency stop"),
+      action<&Self::enable>("motors", "1", 1, 1, "end the emergency stop"),
       action<&Self::send_again>("bang", "", 0, 0, "send the force to its outlet"),
   };
   static constexpr std::array inlets{
@@ -102,17 +101,17 @@ struct HapticServerObject::Rows {
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kControl, "force", "N",
-           "list fx fy fz for [phantom] whenever the force changes"},
+           "list fx fy fz for [phantom] at each change of the force"},
   };
   static constexpr std::array arguments{CreationArgument{"port"}};
 };
 
 inline constexpr Declaration HapticServerObject::declaration{
     "haptic_server",
-    "lets other computers move a haptic device",
-    "Listens for clients of the haptic protocol and gives the force that the one in control asks "
-    "for: forces, or a spring or damper set by its feedback, within limits that no client can "
-    "raise. Stop, a lost connection and 500 ms of silence end the force.",
+    "lets other computers control a haptic device",
+    "Accepts clients of the haptic protocol and outputs the force that the client in control "
+    "requests: a force, or a spring or damper set by its feedback, within limits that no client "
+    "can raise. A stop, a lost connection or 500 ms of silence ends the force.",
     "haptic network server OSC TCP force feedback remote",
     Rows::inlets,
     Rows::outlets,

@@ -41,34 +41,34 @@ struct IoaLink::Rows {
   static constexpr std::array messages{
       action<&Self::send>(
           "send", "topic fields...", 1, 1 + net::kMaxTopicFields,
-          "send a topic to all peers; on a slow connection samples of raw, hand, contact, force "
-          "and listener may be dropped, all else arrives while the connection lasts"),
+          "send a topic to all peers; a slow connection may drop samples of raw, hand, contact, "
+          "force and listener; all others arrive while the connection lasts"),
       action<&Self::listen>("listen", "port [address]", 1, 2,
                             "accept connections on 127.0.0.1 and ::1, or on a numeric address, "
-                            "which needs a token; port 0: any that is free"),
+                            "which needs a token; port 0: any free port"),
       action<&Self::connect>("connect", "[host] port", 1, 2,
-                             "connect to a link that listens, and again after each loss until "
-                             "`disconnect`; without host on this machine"),
+                             "connect to a listening link, and again after each loss until "
+                             "`disconnect`; without host: on this machine"),
       action<&Self::disconnect>("disconnect", "", 0, 0,
-                                "close all connections and stop to listen or to connect"),
-      action<&Self::set_token>("token", "file", 1, 1,
-                               "file with the 16 to 1024 bytes that both sides share, from the "
-                               "next `listen` or `connect` on"),
+                                "close all connections, stop listening and connecting"),
+      action<&Self::set_token>(
+          "token", "file", 1, 1,
+          "file of 16 to 1024 bytes that both sides share, from the next `listen` or `connect` on"),
       action<&Self::set_playout>("playout", "auto|ms", 1, 1,
-                                 "playout delay after a message was sent, 0 to 400 ms; auto: as "
-                                 "the connection needs; 0: at once"),
+                                 "playout delay from sending to output, 0 to 400 ms; auto: adapts "
+                                 "to the connection; 0: none"),
       action<&Self::set_time>(
           "time", "ms", 1, 1,
-          "present time of this side's bus, ms; without it bus time begins with the object. Times "
-          "begin again at 0 after 65536 ms; the one nearest to now is meant"),
+          "present time of this side's bus, ms; by default bus time begins with the object. Times "
+          "wrap to 0 after 65536 ms; the time nearest to now is meant"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kControl, "messages", "", "all messages"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kControl, "topics", "",
-           "TOPIC fields... from the other side, at its playout time; times among the fields are "
-           "on this side's clock, ms, from 0 to 65536 and again from 0"},
+           "TOPIC fields... from the other side, at the playout time; times in the fields are in "
+           "ms of this side's clock, which wraps after 65536"},
   };
   static constexpr std::array arguments{CreationArgument{"listen"}};
 };
@@ -76,10 +76,9 @@ struct IoaLink::Rows {
 inline constexpr Declaration IoaLink::declaration{
     "ioa_link",
     "mirrors a bus of modules over TCP",
-    "Sends messages of the AudioHaptics bus to links on other computers and lets theirs out "
-    "evenly, "
-    "in order, with times translated to this side's clock. Events are never lost while a "
-    "connection stands; a lost connection is taken up again by itself.",
+    "Sends messages of the AudioHaptics bus to links on other computers. Outputs their messages at "
+    "a constant delay, in order, with times translated to this side's clock. An open connection "
+    "loses no events; a lost connection reconnects by itself.",
     "network bus IOA OSC TCP playout jitter buffer clock",
     Rows::inlets,
     Rows::outlets,

@@ -252,88 +252,87 @@ struct ModalImpact::Rows {
   static constexpr std::array parameters{
       not_realtime(property<&Self::radiation, &Self::set_radiation>.row(
           "radiation", modal_impact::kRadiations,
-          "model of radiation: baffled surface by mode (low modes of thin bodies are too loud, a "
-          "bar's first by 18 dB), surface velocities in the table, free body by multipoles, or the "
-          "bare surface velocity",
+          "model of radiation: baffled surface by mode (low modes of thin bodies too loud, a bar's "
+          "first by 18 dB), surface velocities of the table, free body by multipoles, or surface "
+          "velocity alone",
           0)),
       property<&Self::pulses, &Self::set_pulses>.row("contact", contacts,
-                                                     "model of contact: striker and body coupled, "
+                                                     "model of contact: coupled striker and body, "
                                                      "or half-sine pulses for many strikes at once",
                                                      0),
       not_realtime(model<&BodySettings::size>.row("size", "", 1, 0.01, 100,
                                                   "factor on the table's lengths")),
       not_realtime(member<&Self::max_modes_>.then<&Self::model_changed>().row(
           "modes", "", 0, 0, 20000,
-          "largest number of modes that sound; a last group of "
-          "near-equal frequencies is kept whole; 0: all")),
+          "maximum number of modes; the last group of nearly equal frequencies stays complete; 0: "
+          "all")),
       options<&Options::cull_db>.row(
           "cull", "dB", 20, 200,
-          "level below a strike's loudest mode (A-weighted) from which modes are left out"),
+          "level below a strike's loudest mode (A-weighted) beyond which modes are omitted"),
       not_realtime(model<&BodySettings::choke_t60_s>.row(
           "choke", "s", 0, 0, 100, "decay time T60 of a hand that damps the body; 0: none")),
       options<&Options::gain>.row(
           "gain", "1/Pa", 0, 1000,
-          "output for 1 Pa of sound pressure: 100 Pa reach full scale at 0.01"),
+          "output for 1 Pa of sound pressure; at 0.01, 100 Pa reach full scale"),
       member<&Self::limit_>.then<&Self::update_options>().row(
           "limit", limits,
-          "soft limit of the sound, within +-1 and linear up to 0.5; auto: on for gains below "
-          "0.1, off above, where the outlets are for measuring",
+          "soft clip of the sound, within +-1 and linear up to 0.5; auto: on for gains below 0.1, "
+          "off above, for measurements",
           0),
       member<&Self::restitution_>.then<&Self::update_options>().row(
           "restitution", "", 1, 0.01, 1,
-          "coefficient of restitution on a rigid wall; below 1 it sets the contact's loss"),
+          "coefficient of restitution on a rigid wall; below 1 it sets the contact loss"),
       options<&Options::spring_n_per_m>.row("spring", "N/m", 0, 100000,
-                                            "stiffness of a spring whose force replaces the "
-                                            "contact force at the outlet, with `pos 1`; 0: none"),
+                                            "stiffness of a spring, with `pos 1`: its force "
+                                            "replaces the contact force at the outlet; 0: none"),
       options<&Options::driven>.row(
           "pos", "switch: 1 reads inlet 2 as the height of a striker that a hand moves"),
       options<&Options::doppler>.row("doppler",
-                                     "switch: 1 gives a moving listener the Doppler shift"),
+                                     "switch: 1 adds the Doppler shift of a moving listener"),
       not_realtime(member<&Self::voices_>.then<&Self::model_changed>().row(
           "voices", "", 8, 1, 64,
-          "largest number of contacts at once; a further strike ends the oldest")),
+          "maximum number of contacts at once; one more strike ends the oldest")),
       not_realtime(member<&Self::listeners_>.then<&Self::model_changed>().row(
-          "out", "", 2, 1, 4, "number of listeners; 1 sounds on both sides at half the cost")),
+          "out", "", 2, 1, 4,
+          "number of listeners; 1: same sound left and right at half the cost")),
       member<&Self::sync_>.row(
           "sync", "", 0, 0, 2,
-          "time at which tables and changes are computed: 0 in the background; 1 at once, as "
-          "always in a render; 2 in the background, and later strikes and `info` wait for them"),
+          "computation of tables and changes: 0: in the background; 1: at once, as in every "
+          "render; 2: in the background, while later strikes and `info` wait"),
       not_realtime(layer<&Law::stiffness>.row("rest_stiffness", "N/m^a", 4e8, 100, 1e13,
                                               "stiffness k of the layer between body and board at "
-                                              "each contact point, F = k d^a; initially felt")),
+                                              "each point, F = k d^a; initially that of felt")),
       not_realtime(layer<&Law::exponent>.row(
           "rest_exponent", "", 2.3, 1, 5,
-          "exponent a of the layer: 1 a spring, 1.5 hard and round, 2.3 felt")),
+          "exponent a of the layer: 1: spring, 1.5: hard and round, 2.3: felt")),
       not_realtime(layer<&Law::dissipation_s_per_m>.row(
           "rest_loss", "s/m", 2, 0, 100, "loss of the layer: F = k d^a (1 + loss v)")),
       not_realtime(model<&BodySettings::rest, &RestSettings::pressing_n>.row(
           "rest_force", "N", 0, 0, 1000,
-          "force that presses body and board together besides the weight, over all points")),
+          "force that adds to the weight and presses the body on the board, over all points")),
       not_realtime(member<&Self::resolve_>.then<&Self::resolve_changed>().row(
           "resolve", resolves,
-          "treatment of a changed shape: solve its modes again in the background, or only "
-          "extrapolate",
-          0)),
+          "modes of a changed shape: solved again in the background, or only extrapolated", 0)),
       member<&Self::variation_>.row(
           "variation", "", 0, 0, 1,
-          "scatter of the strikes' speed, point and direction: 0 none, 1 that of a hand"),
+          "scatter of the strikes' speed, point and direction: 0: none, 1: as by a hand"),
       property<&Self::seed, &Self::set_seed>.seed<"seed of the variation and of a rub's roughness">(),
   };
   static constexpr std::array messages{
-      takes_file(
-          action<&Self::load_named>("load", "name [-sync]", 1, 2,
-                                    "table of a body, NAME or NAME.modal.npz, beside the patch, in "
-                                    "the search path or beside the object (bar bell board bowl "
-                                    "glass plate tube ...); the old body sounds until it is read"))
+      takes_file(action<&Self::load_named>(
+                     "load", "name [-sync]", 1, 2,
+                     "modal table, NAME or NAME.modal.npz, in the folder of the patch, the search "
+                     "path or the object's folder (bar bell board bowl glass plate tube ...); the "
+                     "old body sounds until the table is read"))
           .with_name_behind("*"),
       realtime(action<&Self::numeric<&Self::hit, Waits::kAsStrike>>(
           "hit", "[x y z] v", 1, 4,
-          "strike at x y z mm with v m/s; without a position at the last one")),
+          "strike at x y z mm with v m/s; without position: at the last one")),
       realtime(action<&Self::numeric<&Self::hit_vertex, Waits::kAsStrike>>(
           "hitv", "vertex v", 2, 2, "strike at a vertex of the table")),
       realtime(action<&Self::numeric<&Self::hit_face, Waits::kAsStrike>>(
           "hitf", "face u v speed", 4, 4,
-          "strike on a triangle, u and v the weights of its second and third corner")),
+          "strike on a triangle, with u and v the weights of its corners 2 and 3")),
       realtime(action<&Self::numeric<&Self::drop, Waits::kAsStrike>>(
           "drop", "[x y z] h", 1, 4,
           "drop the striker from h mm onto x y z mm; it bounces until it rests")),
@@ -341,48 +340,48 @@ struct ModalImpact::Rows {
           "bang", "", 0, 0, "repeat the last strike")),
       action<&Self::numeric<&Self::set_normal>>(
           "normal", "[x y z]", 0, 3,
-          "direction out of the body, against which strikers move; none: the surface normal"),
+          "direction out of the body, opposite to the strike; none: the surface normal"),
       action<&Self::numeric<&Self::set_striker>>("striker", "mass radius E nu", 4, 4,
-                                                 "ball that strikes: kg, m, Pa (Hertz' contact)"),
+                                                 "striking ball: kg, m, Pa (Hertz contact)"),
       action<&Self::numeric<&Self::set_hardness>>(
           "hardness", "k exponent loss", 1, 3,
-          "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"),
+          "contact law k d^exponent (1 + loss v) in place of Hertz; 0: Hertz"),
       action<&Self::numeric<&Self::set_point, Waits::kForBody>>(
           "point", "x y z or vertex", 1, 3, "contact point of inlets 1 and 2, mm"),
       action<&Self::numeric<&Self::set_rub, Waits::kForBody>>(
           "rub", "[x y z [dx dy dz]]", 0, 6,
-          "contact point of inlets 3 and 4, mm, and the direction of positive velocity; without "
-          "numbers the point of `point`"),
+          "contact point of inlets 3 and 4, mm, and direction of positive velocity; without "
+          "numbers: as `point`"),
       action<&Self::numeric<&Self::set_friction>>(
           "friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness", 1,
-          8, "friction law as in contact_friction~, with its defaults for missing numbers"),
+          8, "friction law of contact_friction~, whose defaults replace missing numbers"),
       action<&Self::set_board>("board", "name [dx dy dz] or none", 1, 4,
-                               "table of a second, supported body on which the first lies, "
-                               "displaced by dx dy dz mm in the first one's axes")
+                               "modal table of a board on which the body lies: a supported body, "
+                               "displaced by dx dy dz mm in the body's axes")
           .with_name_behind("*"),
       action<&Self::numeric<&Self::set_rest>>("rest", "[x y z] ...", 0, 24,
                                               "points where body and board touch, up to 8, mm in "
-                                              "the body's axes; without numbers none"),
+                                              "the body's axes; without numbers: none"),
       action<&Self::numeric<&Self::set_listener>>(
           "listener", "i x y z or x1 y1 z1 ...", 3, 12,
-          "position of listener i from 1 to 4, or of all from the first on, mm; nearer than 18 cm "
-          "the sound is up to 0.5 ms late"),
+          "position of listener i (1 to 4), or of all from 1 on, mm; below 18 cm the sound is up "
+          "to 0.5 ms late"),
       action<&Self::numeric<&Self::set_material>>(
-          "material", "E rho", 2, 2, "Young's modulus in Pa and density in kg/m^3; 0: the table's"),
+          "material", "E rho", 2, 2,
+          "Young's modulus in Pa and density in kg/m^3; 0: as in the table"),
       action<&Self::set_preset>(
           "preset",
           "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
           "polycarbonate|rubber|table",
-          1, 1, "elasticity, density and damping of a material; table: as it was read"),
+          1, 1, "elasticity, density and damping of a material; table: as in the table"),
       action<&Self::numeric<&Self::set_shape, Waits::kForBody>>(
           "shape", "d1 d2 ...", 1, 3 * 4096,
-          "displacements of the table's shape parameters, mm, in their order; 0: the table's "
-          "shape"),
+          "displacements of the table's shape parameters, mm, in their order; 0: original shape"),
       action<&Self::numeric<&Self::set_control_point, Waits::kForBody>>(
           "cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"),
       action<&Self::set_solver>("solver", "path | auto", 1, 1,
-                                "path of the program modal_fem that solves changed shapes, which "
-                                "is restarted; auto: beside the object or in PATH"),
+                                "path of the program modal_fem, which restarts and solves changed "
+                                "shapes; auto: in the object's folder or PATH"),
       action<&Self::numeric<&Self::set_rayleigh>>("rayleigh", "a b", 2, 2,
                                                   "damping (a + b omega^2)/2 in 1/s"),
       action<&Self::numeric<&Self::set_loss>>("loss", "eta", 1, 1,
@@ -391,7 +390,7 @@ struct ModalImpact::Rows {
                                                     "loss factor over frequency in Hz"),
       action<&Self::choose_damping>(
           "damping", "table | rayleigh a b | loss eta | losscurve f1 eta1 ...", 1, 65,
-          "law of damping: the table's own, or the message of that name, as `dump` reports it"),
+          "law of damping: the table's, or that of the named message, as `dump` reports it"),
       realtime(action<&Self::numeric<&Self::reset>>("reset", "", 0, 0, "stop: silence")),
       action<&Self::numeric<&Self::post_info_now, Waits::kAsInfo>>(
           "info", "", 0, 0, "send body, counts, frequencies and decay times to the info outlet"),
@@ -400,9 +399,9 @@ struct ModalImpact::Rows {
           "send the levels of the modes, dB re full scale, by frequency, to the info outlet"),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "force", "N", "external force into the body at the point"},
+      Port{Port::Kind::kSignal, "force", "N", "external force into the body at `point`"},
       Port{Port::Kind::kSignal, "height", "m",
-           "height of a hand's striker above the point, with `pos 1`"},
+           "height of a hand's striker above `point`, with `pos 1`"},
       Port{Port::Kind::kSignal, "normal", "N", "normal force of a rubbing surface; 0: no contact"},
       Port{Port::Kind::kSignal, "velocity", "m/s",
            "velocity of the rubbing surface along its direction"},
@@ -411,7 +410,7 @@ struct ModalImpact::Rows {
       Port{Port::Kind::kSignal, "left", "", "sound pressure at listener 1 times `gain`"},
       Port{Port::Kind::kSignal, "right", "", "sound pressure at listener 2 times `gain`"},
       Port{Port::Kind::kSignal, "contact", "N",
-           "contact force between strikers and body; impulses are exact"},
+           "contact force between strikers and body, with exact impulses"},
       Port{Port::Kind::kControl, kInfoOutlet, "", "answers to `info`, `ring`, `get` and `dump`"},
       Port{Port::Kind::kSignal, "third", "",
            "sound pressure at listener 3 times `gain`, with `-out 3` or more"},
@@ -425,10 +424,10 @@ struct ModalImpact::Rows {
 
 inline constexpr Declaration ModalImpact::declaration{
     "modal_impact~",
-    "any solid body, struck anywhere and heard anywhere",
-    "Plays a body whose modes modal_fem has computed. Strikes are contacts in which striker and "
-    "body are coupled; material, size and damping can be changed while it sounds, forces from "
-    "other objects push it, and the contact force comes out for a haptic device.",
+    "any solid body, struck and heard at any point",
+    "Plays a body whose modes modal_fem has computed. Striker and body are coupled at the contact. "
+    "Material, size and damping can change while the body sounds. Forces from other objects can "
+    "act on it, and an outlet gives the contact force for a haptic device.",
     "physical model modal synthesis impact contact finite elements",
     Rows::inlets,
     Rows::outlets,

@@ -120,32 +120,32 @@ struct ParticleObject::Rows {
       rows_of_field<&Self::cloud, &Self::take_cloud, kCloud>(),
       std::array{
           member<&Self::direct_>.then<&Self::update>().row(
-              "direct", "", 1, 0, 1, "gain of the particles' direct sound beside the modes"),
+              "direct", "", 1, 0, 1, "gain of the particles' direct sound, added to the modes"),
           member<&Self::gain_>.then<&Self::update>().row("gain", "", 1, 0, 1000,
                                                          "gain of the sound, smoothed"),
-          property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random; setting it restarts the random sequence">(),
+          property<&Self::seed, &Self::set_seed>.seed<"seed of all random numbers; setting it restarts the sequence">(),
       });
   static constexpr std::array messages{
       action<&Self::take_preset>("preset", kPresets, 1, 1,
-                                 "preset of particles and modes; `gain` and `seed` stay"),
+                                 "preset of particles and modes; `gain` and `seed` are kept"),
       action<&Self::take_modes>(
           "modes", "[f1 t1 g1 f2 t2 g2 ...]", 0, 3 * particle::RingingBody::kMaxModes,
           "modes of the body that the particles strike: frequency in Hz, decay time T60 in s, and "
-          "gain, the root of the ring's energy over a grain's; without numbers none"),
+          "gain, the root of (ringing energy / grain energy); without numbers: none"),
       realtime(action<&Self::shake>("shake", "e", 1, 1,
                                     "add energy e, 0 to 1000; 1: an ordinary shake or step")),
-      realtime(action<&Self::shake_again>("bang", "", 0, 0, "repeat the last shake; at first 1")),
+      realtime(action<&Self::shake_again>("bang", "", 0, 0, "repeat the last shake; initially 1")),
       realtime(action<&Self::system_, &particle::ParticleSystem::reset>(
           "reset", "", 0, 0, "stop: silence within 5 ms, no energy")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "power", "1/s",
-           "energy a second; the energy tends to power * decay"},
+           "energy per second; stored energy tends to power * decay"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "sound", "", "sound, within +-1"},
       Port{Port::Kind::kSignal, "collisions", "",
-           "impulses: root of each one's energy (1: a mean one at energy 1)"},
+           "impulses: root of each collision's energy (mean: 1 at energy 1)"},
       Port{Port::Kind::kSignal, "energy", "", "energy, in ordinary shakes"},
   };
 
@@ -154,12 +154,11 @@ struct ParticleObject::Rows {
 
 inline constexpr Declaration ParticleObject::declaration{
     "particle~",
-    "particles that are shaken, rolled or stepped on",
-    "Energy comes in as a signal of power or as shakes, and dies down. While there is some, "
-    "grains "
-    "collide or bubbles rise at random: a Poisson process, so that rates and levels are the same "
-    "at any sample rate. Each has a frequency, a size and a decay of its own, and strikes the "
-    "modes of what holds it. Collisions come out as impulses, too, for any other body.",
+    "particles that one shakes, rolls or steps on",
+    "A power signal or shakes supply energy, which decays. While energy remains, grains collide or "
+    "bubbles rise at random, as a Poisson process whose rates and levels do not depend on the "
+    "sample rate. Each grain or bubble has its own frequency, size and decay, and strikes the "
+    "modes of its container. An outlet gives the collisions as impulses for other bodies.",
     "physical model PhISEM particles shaker granular collisions rain gravel bubbles Poisson",
     Rows::inlets,
     Rows::outlets,

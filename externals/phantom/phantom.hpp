@@ -125,37 +125,37 @@ struct Phantom::Rows {
       member<&Self::simulation_, &Simulation::given, setting>.template then<&Self::apply_simulation>();
   static constexpr std::array parameters{
       member<&Self::session_, &Session::rate_hz>.then<&Self::change_rate>().row(
-          "rate", "Hz", 1000, 200, 4000, "rate of the servo, ticks a second"),
+          "rate", "Hz", 1000, 200, 4000, "rate of the servo in ticks a second"),
       member<&Self::output_hz_>.then<&Self::restart_grids>().row(
           "outrate", "Hz", 1000, 0, 4000, "rate of positions at the outlets; 0: only on `bang`"),
       member<&Self::repeat_>.row("repeat", "switch: 1 also sends positions that have not changed",
                                  0),
       member<&Self::forces_, &Inlets::in_shares_of_limit>.row(
-          "units", units, "unit of the force inlets; norm: 1 is `forcemax`", 0),
+          "units", units, "unit of the force inlets; norm: 1 means `forcemax`", 0),
       given<&Given::forcemax_n>.row("forcemax", "N", 0, 40,
-                                    "largest magnitude of the force sent to the device"),
+                                    "maximum magnitude of the force sent to the device"),
       given<&Given::slew_n_per_ms>.row("slew", "N/ms", 1e-3, 1000,
-                                       "largest rate of change of the force"),
+                                       "maximum rate of change of the force"),
       given<&Given::extrap_ms>.row("extrap", "ms", 0, 20,
                                    "time for which the force is extrapolated after a target"),
-      given<&Given::strict>.row("strict", "switch: 1 lets the force fall when force messages stop"),
-      given<&Given::resume>.row(
-          "resume",
-          "switch: 1 returns a real device's force after a freeze of the host without `motors 1`"),
+      given<&Given::strict>.row("strict", "switch: 1 lets the force fall if force messages stop"),
+      given<&Given::resume>.row("resume", "switch: 1 restores a real device's force after a freeze "
+                                          "of the host, without `motors 1`"),
       given<&Given::passivity>.row(
           "passivity",
-          "switch of the passivity controller: 1 removes energy that the sampled force creates"),
+          "switch: 1 turns on the passivity controller, which removes energy created by sampling"),
       given<&Given::tank_j>.row("tank", "J", 0, 1000,
-                                "largest energy of a contact that a bounce may return"),
+                                "maximum energy of a contact that a bounce may return"),
       given<&Given::allowance_w>.row(
           "allowance", "W", 0, 10,
-          "power that the delay of the patch's forces may create before it is braked"),
-      given<&Given::damp_n_s_per_m>.row("damp", "N s/m", 0, 100, "viscosity added to all forces"),
+          "power that delayed forces of the patch may create before the controller brakes"),
+      given<&Given::damp_n_s_per_m>.row("damp", "N s/m", 0, 100, "damping added to all forces"),
       given<&Given::walls_n_per_m>.row("walls", "N/m", 0, 5000,
                                        "stiffness of soft walls at the faces of the workspace"),
       not_stored(property<&Motors::on, &Motors::set, &Self::motors_>.row(
           "motors",
-          "switch of the force: 0 off; 1 ramps it up over half a second and ends an emergency stop",
+          "switch of the force: 0: off; 1: ramps it up over half a second and ends an emergency "
+          "stop",
           1)),
       simulated<&Simulated::mass_kg>.row("mass", "kg", 1e-3, 100, "mass of the simulated handle"),
       simulated<&Simulated::viscous_n_s_per_m>.row("viscous", "N s/m", 0, 1000,
@@ -166,7 +166,7 @@ struct Phantom::Rows {
                                                "encoder step of the simulated device; 0: exact"),
       simulated<&Simulated::noise_mm>.row("noise", "mm", 0, 10,
                                           "amplitude of the simulated device's reading noise"),
-      simulated<&Simulated::seed>.seed<"simulated: seed of noise, tremor and wander">(),
+      simulated<&Simulated::seed>.seed<"seed of the simulated noise, tremor and wander">(),
       simulated<&Simulated::latency_ticks>.row("latency", "ticks", 0, 8,
                                                "delay of the simulated device's readings"),
   };
@@ -174,36 +174,36 @@ struct Phantom::Rows {
       action<&Self::send_all>("bang", "", 0, 0, "send position and reported values"),
       action<&Self::set_forces>("list", "fx fy fz", 3, 3, "force in x, y and z"),
       action<&Self::choose_driver>("backend", "name ...", 1, 8,
-                                   "driver of the device, and its options"),
+                                   "driver of the device and its options"),
       action<&Self::connect>("open", "index|serial|path", 0, 1, "connect the device"),
       action<&Self::disconnect>("close", "", 0, 0, "ramp the force down and disconnect"),
       action<&Self::set_name>("name", "word", 1, 1,
-                              "name of this device among others, shown by `devices` and `dump`"),
-      action<&Self::list_devices>("devices", "", 0, 0,
-                                  "list the devices of all drivers; those in use are not queried"),
+                              "name of this object, shown by `devices` and `dump`"),
+      action<&Self::list_devices>(
+          "devices", "", 0, 0, "list the devices of all drivers, without a query of those in use"),
       action<&Self::link_, &Link::configure>("driver", "word ...", 1, 16,
                                              "setting of the device's own driver"),
       action<&Self::link_, &Link::configure>("firmware", "file", 1, 1,
-                                             "file of firmware that the device needs at power-up"),
+                                             "firmware file that the device needs at power-up"),
       action<&Self::link_, &Link::configure>("home", "", 0, 0, "find the device's zero again"),
       action<&Self::link_, &Link::configure>("calibrate", "", 0, 0,
-                                             "calibrate the device by its driver"),
+                                             "calibrate the device with its driver"),
       action<&Self::set_clock>("clock", "auto|logical|wall", 1, 1, "clock of the servo"),
       action<&Self::setup_, &Setup::set_workspace>(
           "workspace", "device | learn 0|1 | xmin ymin zmin xmax ymax zmax", 1, 6,
-          "workspace in mm, 0..1 at the outlets"),
+          "workspace in mm: 0..1 at the outlets"),
       action<&Self::setup_, &Setup::set_map>(
-          "map", "axes signs", 1, 4, "axes of the patch from the device's, such as zxy 1 -1 1"),
+          "map", "axes signs", 1, 4, "axes of the patch from device axes, such as zxy 1 -1 1"),
       action<&Self::setup_, &Setup::set_interpolation>("interp", "auto|off|ms", 1, 1,
-                                                       "interpolation from one force to the next"),
+                                                       "interpolation from each force to the next"),
       action<&Self::setup_, &Setup::set_watchdog>(
           "watchdog", "hold_ms ramp_ms", 2, 2,
-          "time without messages before the force falls, and duration of its fall"),
+          "time without messages until the force falls, and duration of the fall"),
       action<&Self::models_, &Models::scene>(
           "scene",
           "add name shape ... | mat name k b mu | move name x y z [ms] | del "
           "name|all | tool mm | k N/m | load file",
-          2, 16, "scene of bodies that the handle touches; mm, N/m, N s/m")
+          2, 16, "scene of bodies that the handle can touch; mm, N/m, N s/m")
           .with_name_behind("load"),
       action<&Self::models_, &Models::effect>(
           "effect",
@@ -216,17 +216,16 @@ struct Phantom::Rows {
           "| link name name k [b l0 pull|push] | load file | del name|all | touch mm [k b] | grab "
           "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
           "gx gy gz | rate Hz | reset",
-          1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md")
+          1, 16, "masses and springs, felt by the hand and played by phantom~: docs/network.md")
           .with_name_behind("load"),
       action<&Self::wrist_, &Wrist::enable>(
-          "torques", "0|1", 1, 1, "switch: 1 sends torque and grip to a device that has them"),
+          "torques", "0|1", 1, 1, "switch: 1 sends torque and grip to devices that have them"),
       action<&Self::wrist_, &Wrist::set_torque>("torque", "tx ty tz", 3, 3,
                                                 "torque on the handle about x, y, z; N m"),
       action<&Self::wrist_, &Wrist::set_grip>("grip", "N", 1, 1, "force of the gripper"),
-      action<&Self::motors_, &Motors::stop>(
-          "estop", "", 0, 0,
-          "emergency stop: no force until `motors 1`, also for the next "
-          "phantom of this name or device"),
+      action<&Self::motors_, &Motors::stop>("estop", "", 0, 0,
+                                            "emergency stop: no force until `motors 1`, also for "
+                                            "the next phantom with this name or device"),
       action<&Self::reports_, &phantom::Reports::set>(
           "report", "tag 0|1", 2, 2,
           "reports to the info outlet: mm, vel, force, button, status, "
@@ -245,7 +244,7 @@ struct Phantom::Rows {
       action<&Self::simulation_, &Simulation::run<&Simulation::set_target>>(
           "target", "x y z", 3, 3, "target to which the simulated hand moves smoothly; mm"),
       action<&Self::simulation_, &Simulation::run<&Simulation::seek>>(
-          "seek", "ms", 1, 1, "time on the path of the simulated hand"),
+          "seek", "ms", 1, 1, "time on the simulated hand's path"),
       action<&Self::simulation_, &Simulation::run<&Simulation::press>>(
           "button", "number 0|1", 2, 2, "button of the simulated device: 1 pressed, 0 released"),
   };
@@ -265,10 +264,10 @@ struct Phantom::Rows {
 inline constexpr Declaration Phantom::declaration{
     "phantom",
     "haptic device: force in, position out",
-    "Reads a haptic device, or a simulated one, a thousand times a second, sends the position of "
-    "its handle and applies the forces that the patch sends and those of the scene that the "
-    "handle touches, through a chain that keeps the hand safe: interpolation, limit, watchdog, "
-    "slew and passivity control.",
+    "Reads a haptic device, or a simulated one, a thousand times a second and outputs the position "
+    "of its handle. Applies the forces of the patch and of the scene that the handle touches. A "
+    "chain keeps the hand safe: interpolation, force limit, watchdog, slew limit and passivity "
+    "control.",
     "haptic force feedback device simulation",
     Rows::inlets,
     Rows::outlets,

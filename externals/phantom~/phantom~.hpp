@@ -125,22 +125,24 @@ struct PhantomSignal::Rows {
                                      "switch: 1 sends velocities to the outlets vx, vy and vz", 0),
       property<&Self::delay_ms, &Self::set_delay>.row(
           "delay", "ms", 3, 0, 100,
-          "delay of the outlets behind the newest position, on the wall clock"),
-      property<&Self::gate, &Self::set_gate>.row("gate",
-                                                 "switch: 1 lets `vib` act only while the handle "
-                                                 "touches a body of the scene, along its normal",
-                                                 1),
+          "delay of the outlets after the newest position, on the wall clock"),
+      property<&Self::gate, &Self::set_gate>.row(
+          "gate",
+          "switch: 1 lets `vib` act only while the handle touches a body of the scene, along the "
+          "body's normal",
+          1),
   };
   static constexpr std::array messages{
-      action<&Self::set_name>("name", "word", 1, 1,
-                              "name of the phantom whose servo this uses; - is one without a name"),
+      action<&Self::set_name>(
+          "name", "word", 1, 1,
+          "name of the phantom whose servo this uses; -: a phantom without name"),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "fx", "N", "force to the right, added to the phantom's"},
+      Port{Port::Kind::kSignal, "fx", "N", "force to the right, added to phantom's"},
       Port{Port::Kind::kSignal, "fy", "N", "force up"},
       Port{Port::Kind::kSignal, "fz", "N", "force towards the user"},
       Port{Port::Kind::kSignal, "vib", "N",
-           "vibration along the normal of the touched body, low-passed at 0.4 of the servo's rate"},
+           "vibration along the touched body's normal; low-pass at 0.4 times the servo rate"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "x", "", "position from left to right, 0..1 over the workspace"},
@@ -152,8 +154,8 @@ struct PhantomSignal::Rows {
       Port{Port::Kind::kSignal, "vy", "m/s", "velocity up"},
       Port{Port::Kind::kSignal, "vz", "m/s", "velocity towards the user"},
       Port{Port::Kind::kSignal, "net1", "",
-           "first pickup of the phantom's mass-spring network, SI"},
-      Port{Port::Kind::kSignal, "net2", "", "second pickup of the network, SI"},
+           "first pickup of phantom's mass-spring network, SI units"},
+      Port{Port::Kind::kSignal, "net2", "", "second network pickup, SI units"},
   };
   static constexpr std::array arguments{CreationArgument{"name"}};
 };
@@ -161,9 +163,8 @@ struct PhantomSignal::Rows {
 inline constexpr Declaration PhantomSignal::declaration{
     "phantom~",
     "haptic device at audio rate",
-    "Adds signals to the force of a phantom object and sends its position as signals, so that "
-    "what sounds can be felt and what moves can sound. In logical time each servo tick falls on "
-    "its exact sample.",
+    "Adds signals to the force of a phantom object and outputs its position as signals. So you can "
+    "feel a sound and hear a motion. In logical time each servo tick falls on its exact sample.",
     "haptic force feedback device audio rate vibration texture",
     Rows::inlets,
     Rows::outlets,

@@ -74,57 +74,58 @@ struct PlayabilityMapObject::Rows {
   static constexpr std::array own{
       member<&Self::settings_, &Settings::growth>.row(
           "quantity", quantities,
-          "quantity of the map: playability by playing each node, or growth rate by linear theory"),
+          "quantity of the map: playability, from playing each node, or growth rate by linear "
+          "theory"),
       member<&Self::settings_, &Settings::columns>.row("columns", "", 2, 101,
-                                                       "number of nodes along y, mouth pressure"),
+                                                       "number of nodes along y (mouth pressure)"),
       member<&Self::settings_, &Settings::rows>.row("rows", "", 2, 101,
-                                                    "number of nodes along z, reed frequency"),
+                                                    "number of nodes along z (reed frequency)"),
       member<&Self::settings_, &Settings::bore_frequency_hz>.row(
-          "f_b", "Hz", 0, 4000, "bore frequency; 0: as `own_length` gives it"),
+          "f_b", "Hz", 0, 4000, "bore frequency; 0: from `own_length`"),
       member<&Self::settings_, &Settings::settle_ms>.row(
-          "settle", "ms", 0, 2000, "time that each node plays before it is evaluated"),
+          "settle", "ms", 0, 2000, "time for which each node plays before evaluation"),
       member<&Self::settings_, &Settings::listen_ms>.row(
-          "listen", "ms", 1, 1000, "time over which the node's f_p is averaged"),
+          "listen", "ms", 1, 1000, "time over which a node's f_p is averaged"),
       member<&Self::settings_, &Settings::rate_hz>.row("rate", "Hz", 8000, 96000,
                                                        "sample rate at which nodes are played"),
   };
   static constexpr auto parameters =
       joined(joined(rows_of_field<&Self::parameters, &Self::take, kRows>(), own),
              std::array{member<&Self::settings_, &Settings::background>.row(
-                 "background", "switch: 1 computes in a thread; 0 eight nodes every 5 ms of the "
-                               "host's time, repeatable")});
+                 "background", "switch: 1 computes in a thread; 0 computes eight nodes every 5 ms "
+                               "of host time, repeatably")});
   static constexpr std::array messages{
       action<&Self::take_preset>(greed::kPresetMessage),
       action<&Self::take_range>(greed::kRangeMessage),
       action<&Self::compute>("compute", "", 0, 0,
-                             "compute the map of the present settings, or take it from the store"),
+                             "compute the map for the present settings, or load it from memory"),
       action<&Self::compute>("bang", "", 0, 0, "same as `compute`"),
       action<&Self::cancel>("cancel", "", 0, 0, "stop computing and drawing"),
       action<&Self::draw>("draw", "", 0, 0, "send all cells of the finished map again"),
-      action<&Self::write>("write", "file", 1, 1, "write all maps made so far to a file"),
-      takes_file(action<&Self::read>("read", "file", 1, 1, "read the maps of a file")),
+      action<&Self::write>("write", "file", 1, 1, "write all computed maps to a file"),
+      takes_file(action<&Self::read>("read", "file", 1, 1, "read maps from a file")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kControl, "y", "", "y of a look-up, mouth pressure 0..1; all messages"},
-      Port{Port::Kind::kControl, "z", "", "z of the next look-up, reed frequency 0..1"},
+      Port{Port::Kind::kControl, "y", "", "y of a look-up (mouth pressure, 0..1); all messages"},
+      Port{Port::Kind::kControl, "z", "", "z of the next look-up (reed frequency, 0..1)"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kControl, "value", "", "playability f_p, or growth rate in 1/s, at (y, z)"},
-      Port{Port::Kind::kControl, "gradient", "",
-           "list: slope of the value for one unit of y and of z"},
+      Port{Port::Kind::kControl, "gradient", "", "list: slope of the value per unit of y and of z"},
       Port{Port::Kind::kControl, "cells", "",
-           "cell i k value r g b: node i along y, k along z, colour 0..255; at the start of each "
-           "drawing: cells columns rows"},
-      Port{Port::Kind::kControl, "progress", "", "share of the map computed, 0..1"},
+           "cell i k value r g b: node i along y, k along z, colour 0..255; before each drawing: "
+           "cells columns rows"},
+      Port{Port::Kind::kControl, "progress", "", "computed share of the map, 0..1"},
   };
 };
 
 inline constexpr Declaration PlayabilityMapObject::declaration{
     "playability_map",
     "where a reed plays, over mouth pressure and reed frequency",
-    "Plays an instrument at every node of a grid, or asks linear theory, in a thread of its own; "
-    "reports progress and coloured cells twenty times a second, and afterwards value and slope "
-    "at any place in the plane. Maps are found again by their settings, in memory or in a file.",
+    "Plays an instrument at every node of a grid, or uses linear theory, in a thread of its own. "
+    "Reports progress and coloured cells twenty times a second, then value and slope at any point "
+    "of the plane. Maps stay in memory, and a file can store them; the same settings find the same "
+    "map.",
     "reed playability map growth guidance heat map",
     Rows::inlets,
     Rows::outlets,

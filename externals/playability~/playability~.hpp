@@ -58,18 +58,18 @@ struct PlayabilityObject::Rows {
              std::array{
                  field<&Self::parameters, &Self::take, &PlayabilityParameters::mode>.row(
                      "mode", kPlayabilityModes,
-                     "measure that lowers playability: zero crossings alone (paper), or "
-                     "aperiodicity too (robust)"),
+                     "measure that lowers playability: zero crossings alone (paper), or also "
+                     "aperiodicity (robust)"),
                  property<&Playability::analysis, &Playability::set_analysis, &Self::estimator>.row(
                      "analysis",
                      "switch: 1 sends periodicity and regime to outlets 5 and 6; `mode robust` "
-                     "analyses with 0 as well",
+                     "also analyses at 0",
                      1),
              });
   static constexpr std::array messages{
       realtime(action<&Self::reset>("reset", "", 0, 0, "restart envelope, crossings and analysis")),
       realtime(action<&Self::report>("bang", "", 0, 0,
-                                     "send playability, envelope, crossings, variation now")),
+                                     "send playability, envelope, crossings and variation now")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "angle", "rad", "angle of the valve, outlet theta of greed~"},
@@ -78,11 +78,11 @@ struct PlayabilityObject::Rows {
       Port{Port::Kind::kControl, "playability", "",
            "playability f_p from 0 to 1, after each block"},
       Port{Port::Kind::kControl, "envelope", "rad", "rectified mean of the oscillation"},
-      Port{Port::Kind::kControl, "crossings", "Hz", "upward zero crossings a second"},
+      Port{Port::Kind::kControl, "crossings", "Hz", "upward zero crossings per second"},
       Port{Port::Kind::kControl, "variation", "",
-           "standard deviation over mean of the intervals between crossings"},
+           "standard deviation / mean of the intervals between crossings"},
       Port{Port::Kind::kControl, "analysis", "",
-           "list: f0 in Hz, periodicity 0..1, harmonics to noise in dB, centroid in Hz"},
+           "list: f0 in Hz, periodicity 0..1, harmonic-to-noise ratio in dB, centroid in Hz"},
       Port{Port::Kind::kControl, "regime", "",
            "regime: 0 silent, 1 periodic, 2 quasi-periodic, 3 chaotic; with each analysis"},
   };
@@ -92,10 +92,10 @@ struct PlayabilityObject::Rows {
 inline constexpr Declaration PlayabilityObject::declaration{
     "playability~",
     "how well a reed plays, from its motion",
-    "Follows the oscillation of a valve and says how playable its state is: the envelope of the "
-    "alternating part, lowered when zero crossings suddenly jump to a very high number (paper) "
-    "and when the motion is not periodic (robust, the default). Differences of this number "
-    "between neighbouring states guide the hand.",
+    "Measures how playable the state of a valve is, from its oscillation. Playability follows the "
+    "envelope of the alternating part. It is lower if the number of zero crossings suddenly "
+    "becomes very high (paper), and if the motion is not periodic (robust, the default). "
+    "Differences between neighbouring states guide the hand.",
     "reed playability envelope zero-crossing periodicity chaos",
     Rows::inlets,
     Rows::outlets,

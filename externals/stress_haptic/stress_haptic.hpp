@@ -140,31 +140,31 @@ struct StressHaptic::Rows {
       member<&Self::request_, &SessionRequest::settings, setting>.template then<changed>();
   static constexpr std::array parameters{
       feedback<&Feedback::mapping>.row("mode", modes,
-                                       "quantity that is felt: the mean stress, the stress "
-                                       "weighted by its sensitivity, or that for each axis"),
+                                       "quantity that gamma follows: mean stress, stress weighted "
+                                       "by its sensitivity, or the latter for each axis"),
       feedback<&Feedback::weights, &Self::weights_changed>.row(
-          "weights", weightings, "weights of the elements: uniform, or by volume"),
-      feedback<&Feedback::sensitivity>.row(
-          "sens", signs, "use of the sensitivities: with their sign, or their magnitude"),
+          "weights", weightings, "weights of the elements: equal, or by volume"),
+      feedback<&Feedback::sensitivity>.row("sens", signs,
+                                           "use of the sensitivities: signed values or magnitudes"),
       member<&Self::device_, &Device::feel>.row(
           "render", renders, "force that gamma sets: spring, damper, both or none"),
       feedback<&Feedback::state, &Self::state_changed>.row(
           "state", states, "stress measure: von Mises or maximum shear"),
       member<&Self::request_, &SessionRequest::resolve>.then<&Self::resolve_changed>().row(
           "resolve", resolves,
-          "solver of a changed shape: the cheapest, Taylor's series alone, conjugate gradients, or "
-          "a new factorisation"),
+          "solver of a changed shape: cheapest method, Taylor series alone, conjugate gradients, "
+          "or new factorisation"),
       feedback<&Feedback::norm>.row(
           "norm", norms,
-          "norm over the elements: mean, or sum as the paper prints equations 1 and 2"),
+          "norm over the elements: mean, or sum as in the paper's equations 1 and 2"),
       property<&Self::power, &Self::set_power>.row(
           "power", "", 1, 1, kMaxPower,
-          "exponent q of `mode mean`: 1 the mean; above 1 (mean of s^q)^(1/q), which follows the "
-          "largest stresses; rounded to a whole number"),
+          "exponent q of `mode mean`: 1: the mean; above 1: (mean of s^q)^(1/q), which follows the "
+          "largest stresses; rounded to an integer"),
       member<&Self::device_, &Device::drag>.row(
           "drag", "switch: 1 lets the handle move the grabbed control point"),
-      member<&Self::device_, &Device::scale>.row(
-          "scale", "", 1e-3, 1000, "ratio of the control point's motion to the handle's"),
+      member<&Self::device_, &Device::scale>.row("scale", "", 1e-3, 1000,
+                                                 "ratio of control point motion to handle motion"),
       member<&Self::device_, &Device::nominal_n_per_m>.row("nominal", "N/m", 0, 100000,
                                                            "nominal stiffness of the device"),
       member<&Self::device_, &Device::share>.row("share", "", 0, 1,
@@ -174,41 +174,40 @@ struct StressHaptic::Rows {
   };
   static constexpr std::array messages{
       takes_file(action<&Self::load>("load", "name", 1, 1,
-                                     "stress table, NAME or NAME.stress.npz, beside the patch, in "
-                                     "the search path or beside the object"))
+                                     "stress table, NAME or NAME.stress.npz, in the folder of the "
+                                     "patch, search path or object's folder"))
           .with_name_behind("*"),
       action<&Self::set_control_point>("cp", "id x y z", 4, 4, "position of a control point, mm"),
       action<&Self::set_parameters>("list", "d ...", 1, 12288,
                                     "displacements of all parameters, mm, in the table's order"),
       action<&Self::grab>(
           "grab", "id [0|1]", 1, 2,
-          "control point that is dragged and whose sensitivities weigh; 0 releases it"),
+          "dragged control point, whose sensitivities are used as weights; 0 releases it"),
       action<&Self::release>(
           "release", "", 0, 0,
-          "release the control point: sensitivities become means over all control points"),
+          "release the control point: weights become means over all control points"),
       action<&Self::reset>("reset", "", 0, 0, "reset the shape to the table's"),
       action<&Self::set_range>(
           "range", "current | initial | fixed a b", 1, 3,
-          "range of gamma from 0 to 1: least and largest value of this shape, of the table's "
-          "shape, or two numbers (Pa; Pa^2/m with `mode weighted` and `axis`)"),
+          "range for gamma from 0 to 1: minimum and maximum of this shape, of the table's shape, "
+          "or two numbers (Pa; Pa^2/m with `mode weighted` or `axis`)"),
       action<&Self::set_gains>("gains", "kmin kmax bmin bmax", 4, 4,
-                               "stiffness in N/m and damping in N s/m at gamma 0 and 1"),
+                               "stiffness (N/m) and damping (N s/m) at gamma 0 and 1"),
       action<&Self::set_anchor>("anchor", "here | x y z", 1, 3,
-                                "anchor of the spring, where it has no force, mm"),
+                                "anchor of the spring, where its force is zero, mm"),
       action<&Self::send_all>("bang", "", 0, 0, "send gamma, force and info"),
       action<&Self::send_points>(
           "points", "", 0, 0,
           "send workspace and control points to the protocol outlet, for haptic_server"),
       action<&Self::set_solver>("solver", "path | auto", 1, 1,
-                                "path of the program part_stress that solves the part again, which "
-                                "is restarted; auto: beside the object or in PATH"),
-      action<&Self::draw>(
-          "draw", "[all]", 0, 1,
-          "send the picture to the info outlet: faces that have changed, or all of them"),
+                                "path of the program part_stress, which restarts and solves the "
+                                "part again; auto: in the object's folder or PATH"),
+      action<&Self::draw>("draw", "[all]", 0, 1,
+                          "send the picture to the info outlet: changed faces, or all faces"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kControl, "shape", "mm",
-           "messages: `cp id x y z`, a list of parameters, and all others"},
+           "messages: `cp id x y z`, a list of parameters, all others"},
       Port{Port::Kind::kList, "device", "mm, m/s",
            "list x y z [vx vy vz]: position in mm and velocity in m/s of the handle"},
   };
@@ -226,10 +225,10 @@ struct StressHaptic::Rows {
 
 inline constexpr Declaration StressHaptic::declaration{
     "stress_haptic",
-    "the stress of a part, felt while it is reshaped",
-    "Moves the control points of a part, recomputes the stress of every element by its "
-    "sensitivities, and renders one number of it, gamma, as a spring or a damper: where the part "
-    "is strained, the handle is stiff. The table of a part is made offline by finite elements.",
+    "stress of a part, felt while you reshape the part",
+    "Moves the control points of a part, recomputes the stress of every element from "
+    "sensitivities, and renders one number, gamma, as a spring or a damper. The handle is stiffer "
+    "where the stress is higher. Finite elements compute the part's stress table offline.",
     "stress design optimisation haptic finite elements sensitivity spring damper",
     Rows::inlets,
     Rows::outlets,
