@@ -13,8 +13,8 @@ public:
   OpenDevice(const OpenDevice&) = delete;
   OpenDevice& operator=(const OpenDevice&) = delete;
 
-  /// index: what `open INDEX` took. address: where the device is plugged in, for a driver that
-  /// finds its devices on a bus; else the library's handle of it.
+  /// index: the INDEX of `open INDEX`. address: where the device is plugged in, for a driver that
+  /// finds its devices on a bus; else the library's handle of the device.
   void set(std::string_view driver, int index, haptic::Identity identity, std::string address = {});
   void clear() noexcept;
 

@@ -2,11 +2,12 @@
 
 #include <atomic>
 
-/// What a servo's threads ask of the system: real_time_posix.cpp, real_time_windows.cpp.
+/// System functions for a servo's threads, implemented in real_time_posix.cpp and
+/// real_time_windows.cpp.
 namespace tactus::devices {
 
 /// Lets the calling thread sleep until a time of std::chrono::steady_clock, as precisely as the
-/// system can. One for a thread.
+/// system can. Each thread needs its own object.
 class PreciseSleep {
 public:
   PreciseSleep() noexcept;
@@ -18,7 +19,7 @@ public:
   void until(double time_s) noexcept;
 
 private:
-  [[maybe_unused]] void* timer_ = nullptr; ///< of Windows
+  [[maybe_unused]] void* timer_ = nullptr; ///< a timer of Windows
 };
 
 /// How the system schedules a thread.
@@ -33,14 +34,14 @@ constexpr int kServoPriority = 60, kDeviceThreadPriority = 61;
 /// takes the highest priority of a normal program and returns kNice.
 Scheduling raise_thread_priority(int priority) noexcept;
 
-/// Wakes a thread that waits. The waker locks nothing, and no wake-up is lost: not std::atomic's
-/// own wait, in which GCC's library loses some on Windows (docs/cross_build.md, "What Windows
-/// loses").
+/// Wakes a thread that waits. The waker locks nothing, and no wake-up is lost. std::atomic's own
+/// wait is not used, because GCC's library loses some of its wake-ups on Windows
+/// (docs/cross_build.md, "What Windows loses").
 class WakeCount {
 public:
   /// From any thread.
   void wake() noexcept;
-  /// Waits until the count is another than `seen`, and returns it.
+  /// Waits until the count differs from `seen`, and returns the new count.
   [[nodiscard]] int wait(int seen) noexcept;
 
 private:

@@ -45,7 +45,8 @@ Scheduling raise_thread_priority(int priority) noexcept {
   parameters.sched_priority = priority;
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0)
     return Scheduling::kRealTime;
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // else the normal policy wakes 50 us late
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // otherwise the normal policy wakes the thread 50
+                                                // us late
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
   if (setpriority(PRIO_PROCESS, thread, -10) == 0)
     return Scheduling::kNice;

@@ -11,8 +11,8 @@
 
 namespace tactus::devices {
 
-// A sleep otherwise ends with the system's tick, up to 15.6 ms late. Timers of high resolution
-// exist since Windows 10 1803; older systems' are as fine as their tick.
+// Without a timer of high resolution, a sleep ends with the system's tick, up to 15.6 ms late. Such
+// timers exist since Windows 10 1803. On older systems a timer is no finer than the tick.
 PreciseSleep::PreciseSleep() noexcept
     : timer_(CreateWaitableTimerExW(nullptr, nullptr, CREATE_WAITABLE_TIMER_HIGH_RESOLUTION,
                                     TIMER_ALL_ACCESS)) {
@@ -39,8 +39,8 @@ void PreciseSleep::until(double time_s) noexcept {
     WaitForSingleObject(timer_, INFINITE);
 }
 
-/// Windows has no real-time policy for a user's thread; the highest class that needs no right is
-/// TIME_CRITICAL, above all threads of normal programs.
+/// Windows has no real-time policy for a user's thread. The highest priority that needs no special
+/// right is TIME_CRITICAL, above all threads of normal programs.
 Scheduling raise_thread_priority(int) noexcept {
   return SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_TIME_CRITICAL) != 0
              ? Scheduling::kNice

@@ -33,7 +33,7 @@ double ServoThread::now_s() noexcept {
 
 struct ServoThread::Run {
   haptic::Servo& servo;
-  haptic::Backend* driver; ///< that steps the servo; null: this object's thread does
+  haptic::Backend* driver; ///< steps the servo; if null, this object's thread does
   std::shared_ptr<void> owner;
   std::atomic<double> period_s;
   std::atomic<bool> stopping{false}, released{true};
@@ -105,8 +105,8 @@ void ServoThread::step_from_driver(void* run) noexcept {
   self.servo.step_from_driver(clock, self.period_s.load(std::memory_order_relaxed));
 }
 
-/// Runs in a separate thread, since the driver may not return from it. The driver writes zero
-/// force.
+/// Calls the driver's halt(), which writes zero force, in a separate thread, since it may never
+/// return.
 void ServoThread::halt_driver() noexcept {
   if (halting_)
     return;
@@ -119,7 +119,8 @@ void ServoThread::halt_driver() noexcept {
         run->end();
       }).detach();
       return;
-    } catch (const std::system_error&) { // no thread: halt in this one, however long it takes
+    } catch (const std::system_error&) { // no new thread: halt in this thread, however long it
+                                         // takes
     }
   }
   run_->driver->halt();
@@ -155,7 +156,7 @@ ServoThread::~ServoThread() {
 void ServoThread::run(Run& run) noexcept {
   run.scheduling = static_cast<int>(raise_thread_priority(kServoPriority));
 #if defined(__SSE2__)
-  _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
+  _mm_setcsr(_mm_getcsr() | 0x8040); // treats denormals as zero
 #endif
   MonotonicClock clock;
   PreciseSleep sleep;

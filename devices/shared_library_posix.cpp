@@ -76,7 +76,8 @@ void* SharedLibrary::open(const char* name, std::string& error, bool& missing) {
     return handle;
   const char* reason = dlerror();
   error = reason ? reason : "cannot be loaded";
-  // "NAME: ... No such file or directory"; of a library that this one needs, with that one's name.
+  // The loader says "NAME: ... No such file or directory"; NAME may also be a library that this one
+  // needs.
   const std::string file = file_of(name);
   missing = file.empty();
   if (!missing && error.rfind(name, 0) == 0 &&

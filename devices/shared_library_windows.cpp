@@ -14,7 +14,7 @@ namespace {
 
 /// The search path for a library's name: beside the module, the folders of the program and of the
 /// system, and PATH, to which vendors' installers add theirs. The current folder, which Windows
-/// would also search, is left out: no code is run from a patch's folder.
+/// would also search, is left out, so that no code is run from a patch's folder.
 std::vector<std::filesystem::path> candidates(const std::filesystem::path& name) {
   std::vector<std::filesystem::path> found;
   if (name.is_absolute())
@@ -41,7 +41,7 @@ void* SharedLibrary::open(const char* name, std::string& error, bool& missing) {
     if (HMODULE library = LoadLibraryExW(path.c_str(), nullptr, how)) // never closed
       return library;
     if (const DWORD why = GetLastError(); why != ERROR_MOD_NOT_FOUND || path.is_absolute()) {
-      reason = missing ? why : reason; // of the first file that is there
+      reason = missing ? why : reason; // keeps the reason for the first file that exists
       missing = false;
     }
   }

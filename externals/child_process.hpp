@@ -11,7 +11,8 @@ namespace tactus {
 /// A program that runs as a child process. Sending to its stdin and receiving from its stdout do
 /// not block; its output on stderr is stored for error texts. The destructor kills the child and
 /// reaps it. The child sees the end of its stdin when this process ends, for whatever reason. Not
-/// safe for use by two threads at once. child_process_posix.cpp, child_process_windows.cpp.
+/// safe for use by two threads at once. Implemented in child_process_posix.cpp and
+/// child_process_windows.cpp.
 class ChildProcess {
 public:
   /// Starts a program: words[0] is its path. On failure returns null and sets `refusal`.
@@ -21,19 +22,19 @@ public:
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Sends as many bytes as the pipe takes now and returns their number. Raises no SIGPIPE: nothing
-  /// is sent to a child that has closed its stdin; receive() reports that.
+  /// Sends as many bytes as the pipe accepts now and returns their number. Raises no SIGPIPE: if
+  /// the child has closed its stdin, nothing is sent, and receive() reports the end.
   [[nodiscard]] std::size_t send(std::span<const std::byte> bytes);
-  /// Appends up to `limit` bytes that wait. False at the end of the child's stdout.
+  /// Appends up to `limit` bytes that have arrived. Returns false at the end of the child's stdout.
   [[nodiscard]] bool receive(std::vector<std::byte>& into, std::size_t limit);
   /// Waits for bytes from the child or for its end.
   void wait(double seconds);
-  /// Closes its streams, kills it if it still runs after the grace, and reaps it. How it ended: its
-  /// last line on stderr, else its exit status or the signal.
+  /// Closes the child's streams, kills the child if it still runs after grace_s, and reaps it.
+  /// Returns how the child ended: its last line on stderr, else its exit status or the signal.
   [[nodiscard]] std::string end(double grace_s);
 
 private:
-  struct Process; ///< of the system
+  struct Process; ///< depends on the system
   explicit ChildProcess(std::unique_ptr<Process> process);
 
   std::unique_ptr<Process> process_;

@@ -93,10 +93,10 @@ bool set_nonblocking(int descriptor) { return ::fcntl(descriptor, F_SETFL, O_NON
 } // namespace
 
 struct ChildProcess::Process {
-  pid_t child = -1; ///< -1: reaped
+  pid_t child = -1; ///< -1 once reaped
   int status = 0;
   int stream = -1, errors = -1;
-  std::string stderr_tail; ///< the end of its stderr
+  std::string stderr_tail; ///< last part of its stderr
 
   void read_errors();
   [[nodiscard]] bool has_ended(int options);
@@ -184,7 +184,7 @@ void ChildProcess::Process::read_errors() {
   }
 }
 
-/// True once the child has ended, also if another part of the process has reaped it.
+/// True once the child has ended, even if another part of the process has reaped it.
 bool ChildProcess::Process::has_ended(int options) {
   pid_t found = 0;
   do

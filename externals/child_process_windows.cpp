@@ -81,7 +81,7 @@ public:
     pipe_.reset();
   }
 
-  /// Returns how many bytes were accepted; none while the last transfer is pending.
+  /// Returns the number of accepted bytes, 0 while the last transfer is pending.
   std::size_t write(std::span<const std::byte> bytes) {
     DWORD count = 0;
     if (bytes.empty() || !pipe_ || !finished(count))
@@ -135,7 +135,8 @@ private:
     transfer_.hEvent = event_.get();
     ResetEvent(event_.get());
   }
-  /// True when no transfer is pending; `count`: the bytes of a transfer that has just ended.
+  /// True if no transfer is pending; `count` is the number of bytes of a transfer that has just
+  /// ended.
   bool finished(DWORD& count) {
     count = 0;
     if (!under_way_)
@@ -199,7 +200,7 @@ private:
 struct ChildProcess::Process {
   Handle process;
   PipeEnd input, output, errors;
-  std::string stderr_tail; ///< the end of its stderr
+  std::string stderr_tail; ///< last part of its stderr
   DWORD status = 0;
 
   void read_errors() {

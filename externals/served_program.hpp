@@ -43,8 +43,9 @@ public:
   /// True if a header belongs to the expected answer.
   using Expects = std::function<bool(const serve::ServeHeader&)>;
 
-  /// Starts the program words[0], a path, with arguments `words`. `name`: of the program, for error
-  /// texts. `limit_s`: for its first message. Returns null and sets `refusal` on failure.
+  /// Starts the program words[0], a path, with arguments `words`. `name` is the program's name in
+  /// error texts; `limit_s` is the time limit of its first message. On failure returns null and
+  /// sets `refusal`.
   [[nodiscard]] static std::unique_ptr<ServedProgram> start(const std::vector<std::string>& words,
                                                             std::string name, double limit_s,
                                                             std::string& refusal);
@@ -53,9 +54,9 @@ public:
   void send_request(serve::ServeKind kind, std::span<const std::byte> payload, double limit_s);
   /// Waits for bytes from the child, or for its end, for at most this time.
   void wait(double seconds) { child_->wait(seconds); }
-  /// Sends and receives as much as the pipes take now. Returns a message when it is complete. Sets
-  /// `lost` if the child has ended, sends something unexpected (a refusal of more than 4096 bytes
-  /// too), exceeds its time or the memory: it must then be destroyed.
+  /// Sends and receives as much as the pipes allow now. Returns a message once it is complete. Sets
+  /// `lost` if the child has ended, has sent something unexpected (such as a refusal of more than
+  /// 4096 bytes) or exceeds its time or the memory. This object must then be destroyed.
   [[nodiscard]] std::optional<Message> poll(const Expects& expects, std::string& lost);
 
 private:

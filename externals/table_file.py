@@ -15,7 +15,7 @@ def array(kind, shape, numbers):
 
 
 def description(meta):
-    """The member `meta`: bytes of JSON."""
+    """The member `meta` as bytes of JSON."""
     text = json.dumps(meta).encode()
     return array("|u1", (len(text),), list(text))
 

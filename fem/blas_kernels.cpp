@@ -32,12 +32,13 @@ void restart_with_faster_blas_kernels(char** words) noexcept {
   if (std::getenv(kVariable))
     return;
   const std::string_view faster = faster_blas_kernels(openblas_get_corename(), widest());
-  // Uses the program's real path: started as /proc/self/exe, the process would be named "exe".
+  // Uses the program's real path: if it were started as /proc/self/exe, the process would be named
+  // "exe".
   std::array<char, PATH_MAX> path{};
   if (faster.empty() || ::readlink("/proc/self/exe", path.data(), path.size() - 1) < 0 ||
       ::setenv(kVariable, faster.data(), 1) != 0)
     return;
-  ::execv(path.data(), words); // returns only on failure; the current kernels then stay
+  ::execv(path.data(), words); // returns only on failure; the current kernels are then used
 }
 
 } // namespace tactus::fem

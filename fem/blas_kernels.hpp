@@ -5,10 +5,10 @@
 
 namespace tactus::fem {
 
-/// The name of faster OpenBLAS kernels than those in use, for OPENBLAS_CORETYPE, on a processor
-/// that runs this set; empty when there are none. OpenBLAS chooses by the processor's model: one
-/// that is newer than the library gets the kernels of 2004, "Prescott" (OpenBLAS 0.3.21 on an
-/// Emerald Rapids).
+/// The name, for OPENBLAS_CORETYPE, of OpenBLAS kernels that are faster than those in use on a
+/// processor with this instruction set; empty if there are none. OpenBLAS chooses by the
+/// processor's model: a processor newer than the library gets the kernels of 2004, "Prescott"
+/// (OpenBLAS 0.3.21 on an Emerald Rapids).
 [[nodiscard]] std::string_view faster_blas_kernels(std::string_view in_use,
                                                    simd::VectorSet widest) noexcept;
 

@@ -47,7 +47,8 @@ std::vector<double> solve_of_any_rank(std::vector<double> a, std::span<const dou
 Eigenpairs3 symmetric_eigenpairs(const std::array<Vec3, 3>& rows) noexcept {
   std::array<Vec3, 3> a = rows, axis{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const auto at = [&](int i, int j) -> double& { return a[static_cast<std::size_t>(i)][j]; };
-  for (int sweep = 0; sweep < 30; ++sweep) { // six are enough; bounded, so that NaN ends too
+  for (int sweep = 0; sweep < 30; ++sweep) { // six sweeps are enough; the bound ends the loop even
+                                             // with NaN
     const double off = std::abs(at(0, 1)) + std::abs(at(0, 2)) + std::abs(at(1, 2));
     const double size = std::abs(at(0, 0)) + std::abs(at(1, 1)) + std::abs(at(2, 2));
     if (!(off > 1e-17 * size))

@@ -7,14 +7,14 @@
 
 namespace tactus::fem {
 
-/// Small dense systems, by the LAPACK that OpenBLAS carries. Matrices are column-major; `right` has
-/// one or more columns, which become the solution.
+/// Small dense systems, solved with OpenBLAS's LAPACK. Matrices are column-major; `right` has one
+/// or more columns, which become the solution.
 
-/// A x = b, A symmetric and positive definite (Cholesky; its lower triangle is read). False where
-/// it is not.
+/// Solves A x = b for A symmetric and positive definite (Cholesky; reads the lower triangle).
+/// Returns false if A is not positive definite.
 [[nodiscard]] bool solve_positive_definite(std::vector<double> a, std::span<double> right,
                                            std::size_t size);
-/// A x = b, any regular A (LU). False where it is singular.
+/// Solves A x = b for any regular A (LU). Returns false if A is singular.
 [[nodiscard]] bool solve_regular(std::vector<double> a, std::span<double> right, std::size_t size);
 /// The least-squares solution of minimum norm of A x = b, A square of any rank (complete orthogonal
 /// decomposition). One column.

@@ -19,7 +19,7 @@
 
 namespace tactus {
 
-/// Data shared by a background thread and its owner; exists as long as either.
+/// Data shared by a background thread and its owner; exists until both have ended.
 struct BackgroundState {
   std::mutex mutex;
   std::condition_variable changed;
@@ -37,7 +37,7 @@ struct BackgroundState {
   void end() noexcept {
     {
       const std::lock_guard lock(
-          mutex); // otherwise the thread could test `stop` before and wait after this
+          mutex); // without it, the thread could test `stop` before and wait after this
       stop = true;
       ready = nullptr;
     }
@@ -46,8 +46,8 @@ struct BackgroundState {
 };
 
 /// A thread of normal priority that computes for an object of a host, whatever the priority of the
-/// thread that starts it. Its owner never waits for it: without its owner the thread ends after the
-/// piece in progress. At the end of the program it has one second for that.
+/// thread that starts it. Its owner never waits for it: when the owner has gone, the thread ends
+/// after the piece in progress. At the end of the program the thread has one second to do so.
 class BackgroundThread {
 public:
   BackgroundThread() = default;
@@ -56,7 +56,7 @@ public:
   BackgroundThread& operator=(const BackgroundThread&) = delete;
 
   [[nodiscard]] bool running() const noexcept { return thread_.joinable(); }
-  /// Returns empty, or why the system starts no thread.
+  /// Returns an empty text, or the reason why the system starts no thread.
   [[nodiscard]] std::string start(std::shared_ptr<BackgroundState> state) {
     end();
     ended_ = std::make_shared<std::atomic<bool>>(false);

@@ -10,7 +10,7 @@ namespace {
 
 using Parser = nlohmann::json;
 
-constexpr std::size_t kMaxDepth = 32; ///< of a value, in lists and objects around it
+constexpr std::size_t kMaxDepth = 32; ///< maximum number of lists and objects that enclose a value
 
 // nlohmann's parser refuses text that is not UTF-8. A byte b above 127 passes through it as the
 // private code point U+10F000 + b, in UTF-8: F4 8F 80+(b >> 6) 80+(b & 63).
@@ -55,7 +55,7 @@ std::string one_line(std::string text) {
 }
 
 /// Receives the parser's events. The parser does not recurse and asks before every value whether to
-/// continue: a text of a million brackets ends at kMaxDepth.
+/// continue, so a text of a million brackets ends at kMaxDepth.
 class Builder final : public nlohmann::json_sax<Parser> {
 public:
   explicit Builder(Json& root) : root_(root) {}
@@ -69,7 +69,7 @@ public:
     return number(Json::Kind::kNumber, static_cast<double>(value));
   }
   bool number_float(double value, const std::string&) override {
-    return number(Json::Kind::kNumber, value); // finite: the parser refuses others
+    return number(Json::Kind::kNumber, value); // always finite: the parser refuses other numbers
   }
   bool string(std::string& value) override {
     Json* added = add(Json::Kind::kText);
@@ -77,7 +77,7 @@ public:
       added->text = one_line(code_points_as_bytes(value));
     return added != nullptr;
   }
-  bool binary(Parser::binary_t&) override { return false; } // JSON has none
+  bool binary(Parser::binary_t&) override { return false; } // JSON has no binary values
   bool start_object(std::size_t) override { return open(Json::Kind::kObject); }
   bool key(std::string& name) override {
     open_.back()->keys.push_back(one_line(code_points_as_bytes(name)));

@@ -18,7 +18,7 @@ std::string ascii_of_utf16(std::string_view bytes, bool big_endian) {
   return text;
 }
 
-/// The format of a text: that of the first line whose keyword belongs to either format.
+/// Detects the format of a text from the first line whose keyword belongs to one of the formats.
 MeshFormat format_of(std::string_view text) {
   MeshFormat format = MeshFormat::kObj;
   for_each_line(text, [&](std::size_t, std::string_view line) {
@@ -57,10 +57,10 @@ bool add_point(Words& words, std::size_t line, PolygonMesh& mesh) {
     const std::string_view word = words.next();
     const auto value = to_number(word);
     if (!value) {
-      mesh.error = line_text(line) + (word.find(',') == std::string_view::npos
-                                          ? "expected three coordinates"
-                                          : std::string(word) + " has a comma, expected a number "
-                                                                "with a decimal point");
+      mesh.error =
+          line_text(line) + (word.find(',') == std::string_view::npos
+                                 ? "expected three coordinates"
+                                 : std::string(word) + " has a comma: expected a decimal point");
       return false;
     }
     p[axis] = *value;

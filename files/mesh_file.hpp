@@ -14,18 +14,20 @@
 /// Surfaces as STL files, binary or text, and as Wavefront OBJ files.
 namespace tactus::files {
 
-/// The polygons of a file as they are written there.
+/// The polygons of a file as the file lists them.
 struct PolygonMesh {
   std::vector<Vec3> points;          ///< in the file's own unit
-  std::vector<std::uint32_t> corner; ///< numbers of points: the polygons one after the other
-  std::vector<std::uint32_t> end;    ///< of each polygon in `corner`; empty: all are triangles
-  std::vector<std::uint32_t> group;  ///< of each polygon, in `groups`; empty: all are of the first
+  std::vector<std::uint32_t> corner; ///< indices into `points`, polygon after polygon
+  std::vector<std::uint32_t> end;    ///< end of each polygon in `corner`; empty if all are
+                                     ///< triangles
+  std::vector<std::uint32_t> group;  ///< each polygon's index into `groups`; empty if all have
+                                     ///< index 0
   std::vector<std::string> groups;   ///< names of solids or objects; may be empty
   /// Names the line and the word of the first free-form curve or surface of an OBJ file, which is
   /// ignored; empty when there is none.
   std::string free_form;
-  /// One sentence to follow the file's name, which names the line or the triangle; empty when all
-  /// is well.
+  /// Error text to append to the file's name; it names the line or the triangle. Empty if there is
+  /// no error.
   std::string error;
 
   [[nodiscard]] std::size_t polygons() const noexcept {
@@ -50,11 +52,11 @@ struct MeshLimits {
   std::size_t max_face_corners = std::numeric_limits<std::int32_t>::max();
 };
 
-/// Polygons from the bytes of a file. STL is text if it begins with "solid", names a facet, and its
-/// length does not fit its binary count, since binary files may begin with "solid" too. OBJ: `v`
-/// and `f` with indices from the beginning or the end; `o`, or without objects `g`, begins a group;
-/// lines and points are ignored. Words of neither format are refused. Text may be UTF-8 or UTF-16
-/// with a byte order mark.
+/// Reads polygons from the bytes of a file. An STL file is text if it begins with "solid", names a
+/// facet, and its length does not match a binary triangle count. Binary files may begin with
+/// "solid" too. Of an OBJ file it reads `v` and `f`, with indices from the beginning or the end.
+/// `o` begins a group, or `g` in a file without `o`. OBJ lines and points are ignored. Words that
+/// belong to neither format are refused. Text may be UTF-8 or UTF-16 with a byte order mark.
 [[nodiscard]] PolygonMesh read_mesh(std::string_view bytes,
                                     MeshFormat format = MeshFormat::kByContent,
                                     const MeshLimits& limits = {});

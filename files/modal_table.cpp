@@ -22,12 +22,12 @@ using modal::MultipoleTable;
 using modal::RawTable;
 using modal::ShapeSensitivity;
 
-constexpr double kMaxShape = 1e6;     // 1/sqrt(kg): a body of a picogram
+constexpr double kMaxShape = 1e6;     // 1/sqrt(kg), reached by a body of one picogram
 constexpr double kMaxFrequency = 1e8; // Hz
 constexpr double kMaxExtent = 1e4;    // m
 constexpr double kMaxDecayRate = 1e9; // 1/s
 
-/// Three numbers; otherwise zeros.
+/// The three numbers of that name; zeros if the member is anything else.
 std::array<double, 3> triple(const Json& object, std::string_view name) {
   std::array<double, 3> values{};
   const Json* const found = object.find(name);
@@ -128,7 +128,7 @@ void read_frequencies(TableArrays& arrays, ModalTable& table) {
 }
 
 void read_surface(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
-  if (!arrays.has("phi")) // frequencies alone: it rings with unit gain everywhere
+  if (!arrays.has("phi")) // a table of frequencies only rings with unit gain everywhere
     return;
   const std::size_t modes = table.modes();
   if (const NpzArray* positions = file.find("xyz");

@@ -22,7 +22,7 @@ std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at, std::s
   return value;
 }
 
-/// Where the archive's end record begins, or the file's size when there is none.
+/// The position of the archive's end record; the file's size if there is none.
 std::size_t find_end_record(std::span<const std::byte> file) {
   if (file.size() < kEndRecord)
     return file.size();
@@ -62,8 +62,8 @@ std::string locate(std::span<const std::byte> file, Member& member) {
   return {};
 }
 
-/// Refuses members that share bytes: a small file could otherwise be read a thousand times over,
-/// and fill as much memory. Returns the error, or an empty string.
+/// Refuses members that share bytes: otherwise a small file could be read a thousand times and fill
+/// a thousand times its size in memory. Returns the error, or an empty string.
 std::string overlap(std::span<const std::byte> file, std::vector<Member>& members) {
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.local < b.local; });

@@ -28,8 +28,8 @@ public:
                  const std::vector<std::size_t>& shape);
   /// Receives the next bytes of the file.
   using Sink = std::function<void(const void*, std::size_t)>;
-  /// Writes all arrays to `sink`; the same arrays give the same bytes. Returns one sentence when
-  /// they do not fit an archive (4 GB), else an empty one.
+  /// Writes all arrays to `sink`; the same arrays give the same bytes. Returns an empty text, or a
+  /// sentence if the arrays exceed the limit of an archive (4 GB).
   [[nodiscard]] std::string emit(const Sink& sink) const;
 
 private:

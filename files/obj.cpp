@@ -18,11 +18,11 @@ bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Joins lines that end with a backslash; the line numbers after them stay.
+/// Joins lines that end with a backslash, without changing the numbers of the lines after them.
 std::string joined(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  std::size_t skipped = 0; // line ends of the line being joined
+  std::size_t skipped = 0; // line ends removed from the line being joined
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\\') {
       const std::size_t end = text.find_first_not_of(" \t\r", i + 1);
@@ -86,7 +86,7 @@ private:
                                            : std::string(name));
   }
 
-  /// Corners are "7", "7/1", "7//2" or from the end "-1".
+  /// A corner is "7", "7/1" or "7//2"; "-1" counts from the end.
   bool face(std::size_t number, Words words) {
     const std::size_t begin = mesh_.corner.size();
     const auto count = static_cast<std::int64_t>(mesh_.points.size());

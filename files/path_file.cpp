@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kMaxRows = 2'000'000;
 constexpr double kFarthest_mm = 1e5;
 
-/// Empty, or why the line is no next row; an empty line is none and well.
+/// Appends the row of a line. Returns an empty text, or the reason why the line is not a valid next
+/// row. An empty line adds no row and is no error.
 std::string add_row(std::string_view line, std::vector<haptic::PathRow>& rows) {
   std::array<double, 5> values{};
   const auto words = split_words(line, ",");

@@ -9,13 +9,13 @@
 
 namespace tactus::files {
 
-/// Either rows or one sentence with the number of the line that is wrong.
+/// The rows, or one sentence that names the wrong line.
 struct ParsedPath {
   std::vector<haptic::PathRow> rows;
   std::string error;
 };
 
-/// Size limit of a path file: more than the two million rows that are read at most.
+/// Size limit of a path file, large enough for the maximum of two million rows.
 inline constexpr std::uint64_t kMaxPathBytes = std::uint64_t{1} << 28;
 
 /// The path of a simulated hand, as rows `ms x y z [buttonmask]` in order of time, positions in mm,

@@ -7,8 +7,8 @@
 
 namespace tactus::files {
 
-/// The product of two numbers from a file; nothing if it exceeds Size (size_t has 32 bits in a
-/// browser).
+/// The product of two numbers from a file; nullopt if it exceeds the range of Size (size_t has 32
+/// bits in a browser).
 template <class Size = std::size_t>
 [[nodiscard]] constexpr std::optional<Size> product(std::uint64_t a, std::uint64_t b) noexcept {
   constexpr std::uint64_t kMax = std::numeric_limits<Size>::max();

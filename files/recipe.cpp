@@ -17,7 +17,7 @@ using footstep::Recipe;
 using footstep::recipe_keys;
 using footstep::RecipeKey;
 
-constexpr double kDefaultRoomLevel = -10; // dB, of a section [room] without a level
+constexpr double kDefaultRoomLevel = -10; // dB, for a section [room] without a level
 constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
                                                     "bubbles", "rustle",   "room"};
 

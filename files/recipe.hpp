@@ -8,10 +8,10 @@
 namespace tactus::files {
 
 /// Reads a ground's recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`,
-/// `[grains]`, `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then `key
-/// value` in the units of docs/formats/surface.md; `#` begins a comment. Returns an empty text, or
-/// one sentence that names the line, the key, the value and the expected value; `recipe` is then
-/// unchanged.
+/// `[grains]`, `[bubbles]` and `[rustle]` (up to four sections of these three kinds together),
+/// `[room]`; in a section, `key value` in the units of docs/formats/surface.md; `#` begins a
+/// comment. Returns an empty text, or one sentence that names the line, the key, the value and the
+/// expected value; `recipe` is then unchanged.
 [[nodiscard]] std::string read_recipe(std::string_view text, footstep::Recipe& recipe);
 
 } // namespace tactus::files

@@ -23,7 +23,7 @@ std::string read_resolved_modes(std::span<const std::byte> payload, const modal:
   std::memcpy(&fixed, payload.data(), sizeof fixed);
   payload = payload.subspan(sizeof fixed);
   if (!(fixed.seconds >= 0 && fixed.seconds < 1e6) || !(fixed.fraction >= 0 && fixed.fraction <= 1))
-    return "an answer took " + number_text(fixed.seconds) + " s for " +
+    return "an answer took " + number_text(fixed.seconds) + " s for the fraction " +
            number_text(fixed.fraction) + " of the move: expected 0..1e+06 s and 0..1";
   if (fixed.shares > payload.size() / sizeof(modal::ModeShare))
     return "an answer has " + std::to_string(fixed.shares) + " shares: expected at most " +

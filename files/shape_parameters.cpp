@@ -36,7 +36,7 @@ void read_shape_parameters(TableArrays& arrays, const NpzFile& file, ShapeParame
   if (rows.empty() || rows.size() / 4 > 3 * count)
     return arrays.refuse("array 'parameters' has " + std::to_string(rows.size() / 4) +
                          " rows: expected 1.." + std::to_string(3 * count) +
-                         ", three for each control point at most");
+                         ", at most three for each control point");
   std::vector<bool> taken(3 * count);
   for (std::size_t p = 0; p < rows.size() / 4; ++p) {
     const double* row = rows.data() + 4 * p;

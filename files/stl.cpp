@@ -21,7 +21,7 @@ std::size_t binary_count(std::string_view bytes) noexcept {
   return bytes.size() >= kHeader ? read_uint32(bytes, 80) : 0;
 }
 
-/// A facet ends: its corners are the points since `first`.
+/// Ends a facet; its corners are the points since `first`.
 bool close_facet(std::size_t first, std::size_t line, const MeshLimits& limits, PolygonMesh& mesh) {
   const std::size_t corners = mesh.points.size() - first;
   if (corners != 3) {
@@ -60,7 +60,7 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
   }
   const std::size_t available = (bytes.size() - kHeader) / kRecord;
   std::size_t count = binary_count(bytes);
-  if (count == 0) // left out by some writers
+  if (count == 0) // some programs do not write the count
     count = (bytes.size() - kHeader) % kRecord == 0 ? available : 0;
   if (count > available) {
     mesh.error = "is damaged: its header counts " + std::to_string(count) +
@@ -128,7 +128,8 @@ private:
   }
   bool only_normal(std::size_t number, Words& words) {
     begun_ = true;
-    for (int word = 0; word < 4; ++word) // "normal" and its numbers, which follow from the corners
+    for (int word = 0; word < 4; ++word) // skips "normal" and its numbers: the corners determine
+                                         // the normal
       words.next();
     return ends(number, words);
   }
@@ -142,9 +143,9 @@ private:
     return more.empty() || refuse(number, more);
   }
   bool refuse(std::size_t number, std::string_view word) {
-    mesh_.error =
-        line_text(number) + "\"" + std::string(word) +
-        "\", expected facet, outer loop, vertex, endloop, endfacet or endsolid, a line each";
+    mesh_.error = line_text(number) + "\"" + std::string(word) +
+                  "\", expected facet, outer loop, vertex, endloop, endfacet or endsolid, each on "
+                  "its own line";
     return false;
   }
 

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-/// Folders and programs that the system knows: system_folders_posix.cpp,
+/// Finds folders and programs; implemented in system_folders_posix.cpp and
 /// system_folders_windows.cpp.
 namespace tactus {
 
-/// The folder of the module that this code is part of; empty if unknown.
+/// The folder of the module that contains this code; empty if unknown.
 [[nodiscard]] std::filesystem::path own_folder();
 /// The folders of PATH, in order, without entries that mean the current folder (on Windows without
 /// relative ones), so that no program is run from a patch's folder.

@@ -18,7 +18,7 @@ std::filesystem::path own_folder() {
                               GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
                           reinterpret_cast<LPCWSTR>(&here), &module))
     return {};
-  std::wstring name(32768, L'\0'); // the longest path
+  std::wstring name(32768, L'\0'); // longest path of Windows
   name.resize(GetModuleFileNameW(module, name.data(), static_cast<DWORD>(name.size())));
   return std::filesystem::path(name).parent_path();
 }

@@ -47,7 +47,8 @@ Json TableArrays::description(std::string_view format) {
   const NpzArray* meta = take("meta", "u", {kAny});
   if (!meta)
     return json;
-  constexpr std::size_t kMaxBytes = 1u << 20; // parsed JSON takes eighty times its text
+  constexpr std::size_t kMaxBytes = 1u << 20; // parsed JSON takes eighty times the memory of its
+                                              // text
   if (meta->bytes.size() > kMaxBytes) {
     refuse("array 'meta' has " + std::to_string(meta->bytes.size()) + " bytes: expected at most " +
            std::to_string(kMaxBytes));

@@ -28,8 +28,8 @@ public:
                               bool required);
   std::vector<float> floats(std::string_view name, std::initializer_list<std::size_t> shape,
                             bool required);
-  /// The table's description: array `meta`, bytes of a JSON object that names `format`, of version
-  /// 1 or 1.x. `format` is words joined by hyphens: "modal-table".
+  /// The table's description, from the array `meta`: the bytes of a JSON object that names `format`
+  /// and version 1 or 1.x. `format` consists of words joined by hyphens, as in "modal-table".
   Json description(std::string_view format);
   void refuse(std::string sentence) {
     if (refusal_.empty())

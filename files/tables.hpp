@@ -7,21 +7,21 @@
 #include <span>
 #include <string>
 
-/// Readers of tables that lie in memory, for their arrays see docs/formats/modal_table.md and
-/// docs/formats/stress_table.md. Each returns a sentence when anything cannot be right (the array,
-/// its shape or value, and what was expected), and then leaves its target as it was; else an empty
-/// one. They allocate; not for the audio path.
+/// Readers of tables that are in memory. docs/formats/modal_table.md and
+/// docs/formats/stress_table.md describe the arrays. Each reader returns an empty text, or a
+/// sentence that names the wrong array, its shape or value, and what was expected; the target is
+/// then unchanged. Readers allocate, so they are not for the audio path.
 namespace tactus::files {
 
-/// A `.modal.npz`.
+/// Reads a `.modal.npz` file.
 [[nodiscard]] std::string read_modal_table(std::span<const std::byte> file,
                                            modal::ModalTable& table);
-/// The payload of an answer of `modal_fem serve` (serve::ModesAnswer) about the table `before`,
-/// checked and completed by modal::complete_resolved_modes().
+/// Reads the payload of an answer of `modal_fem serve` (serve::ModesAnswer) about the table
+/// `before`, checked and completed by modal::complete_resolved_modes().
 [[nodiscard]] std::string read_resolved_modes(std::span<const std::byte> payload,
                                               const modal::ModalTable& before,
                                               modal::ResolvedModes& resolved);
-/// A `.stress.npz`.
+/// Reads a `.stress.npz` file.
 [[nodiscard]] std::string read_stress_table(std::span<const std::byte> file,
                                             stress::StressTable& table);
 

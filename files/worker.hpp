@@ -17,7 +17,7 @@
 
 namespace tactus {
 
-/// Times at which the next piece of a job is due, besides times on its clock.
+/// Special due times of a job's next piece: at once, or never.
 inline constexpr double kDueNow = -std::numeric_limits<double>::infinity();
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -27,17 +27,17 @@ public:
   /// Whether this is the first piece of its request.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
   [[nodiscard]] double now_s() const noexcept { return now_s_; }
-  /// True if a newer request waits or the owner has gone: a job that waits for something then stops
+  /// True if a newer request waits or the owner has gone. A job that waits for something then stops
   /// waiting. Its results so far are handed over in any case.
   [[nodiscard]] bool is_superseded() const noexcept { return state_.stop || state_.superseded; }
   /// Replaces an answer that has not been taken yet.
   void hand_over(Answer answer) {
     std::optional<Answer> fresh(std::move(answer));
     const std::lock_guard lock(state_.mutex);
-    fresh.swap(state_.answer); // the old one, perhaps large, is freed after the lock
+    fresh.swap(state_.answer); // frees the old answer, perhaps large, after unlocking
     state_.has_output = true;
   }
-  /// Passes a sentence to the user; none is dropped.
+  /// Passes a sentence to the user. No sentence is dropped.
   void say(std::string sentence) {
     const std::lock_guard lock(state_.mutex);
     state_.sentences.push_back(std::move(sentence));
@@ -63,14 +63,14 @@ private:
 ///
 /// A request is a complete state ("this body on this board with these settings"), never a change of
 /// one, so that a newer request can replace a waiting one. Answers to older requests are handed
-/// over as well: answers arrive however frequent the requests are.
+/// over as well, so that answers arrive even if requests are frequent.
 ///
 /// A Job defines the types Request and Answer, and kOutOfMemory, the sentence for lack of memory.
 ///   double work(const Request&, Turn<Answer>&)
 /// computes a piece of a request and returns the time, on the turn's clock, at which the next piece
 /// is due. Newer requests are noticed between pieces. The job must own all that work() uses,
-/// because its last piece may end after the owner. A Job may have an end(), the last call in the
-/// thread. No function but finish() waits for a piece in the thread.
+/// because its last piece may end after the owner. A Job may have a function end(), which is the
+/// last call in the thread. No function but finish() waits for a piece in the thread.
 template <class Job, class Thread = BackgroundThread> class Worker {
 public:
   using Request = typename Job::Request;
@@ -86,7 +86,7 @@ public:
     state_->ready = std::move(ready);
   }
   /// Starts work in the thread. Returns an empty string, or the reason why the system starts no
-  /// thread; the request is then treated as by request_here().
+  /// thread; the request is then treated as one of request_here().
   [[nodiscard]] std::string request(const Request& request) {
     put(request, false);
     if (thread_.running()) {
@@ -98,7 +98,7 @@ public:
       state_->in_caller = true;
     return reason;
   }
-  /// The owner computes the request by step() or finish().
+  /// Makes a request that the owner computes by step() or finish().
   void request_here(const Request& request) { put(request, true); }
   [[nodiscard]] bool is_here() const noexcept { return state_->in_caller; }
   /// Computes the piece that is due in the calling thread, if there is one.
@@ -107,8 +107,8 @@ public:
     if (state_->in_caller && !state_->busy && state_->due_s <= now_s)
       state_->work_on(lock, now_s);
   }
-  /// Computes all pieces that are due at once in the calling thread, after a piece that the thread
-  /// may be computing.
+  /// Waits until the thread has ended a piece in progress, then computes in the calling thread all
+  /// pieces that are due at once.
   void finish() {
     std::unique_lock lock(state_->mutex);
     state_->changed.wait(lock, [&] { return !state_->busy; });
@@ -120,7 +120,7 @@ public:
     const std::lock_guard lock(state_->mutex);
     return state_->in_caller ? std::max(0.0, state_->due_s - now_s) : kNever;
   }
-  /// Whether something is being done, or is to be done at once.
+  /// True if a request is in progress or a piece is due at once.
   [[nodiscard]] bool busy() const {
     const std::lock_guard lock(state_->mutex);
     return state_->finished != requested_;
@@ -129,9 +129,9 @@ public:
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
 
   struct Taken {
-    std::optional<Answer> answer; ///< the newest, once
+    std::optional<Answer> answer; ///< the newest, if not yet taken
     std::vector<std::string> sentences;
-    std::uint64_t finished = 0; ///< the newest request that needs no more pieces at once
+    std::uint64_t finished = 0; ///< newest request without another piece due at once
   };
   [[nodiscard]] Taken take() {
     const std::lock_guard lock(state_->mutex);
@@ -175,7 +175,7 @@ private:
       }
       lock.unlock();
       if (is_new)
-        current = std::move(fresh); // what only the one before held ends without the lock
+        current = std::move(fresh); // frees the old request's data without the lock
       double next_s = kNever;
       Turn<Answer> turn(*this, is_new, now_s);
       try {
@@ -191,7 +191,7 @@ private:
         finished = at_work;
         this->has_output = true;
       }
-      this->changed.notify_all(); // for finish()
+      this->changed.notify_all(); // wakes finish()
     }
     static double now_s() {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -200,7 +200,7 @@ private:
     static constexpr double kLong_s = 3600;
 
     Job job;
-    Request current{}; ///< used by the job only, as `job` itself
+    Request current{}; ///< used by the job only, like `job` itself
     // Guarded by the lock, except that the owner reads in_caller without it.
     Request waiting{};
     std::uint64_t requested = 0, at_work = 0, finished = 0;

@@ -17,7 +17,7 @@ from stage import initial_text, number, ports, range_text, spell_choices
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BEGIN = "<!-- written by help/reference_page.py -->\n"
 END = "<!-- end -->\n"
-SECTIONS = {  # of a ground's text
+SECTIONS = {  # headings for the sections of a ground's text
     "": "Keys before the first section",
     "solid": "`[solid]`: a floor that heel and ball strike",
     "friction": "`[friction]`: creaking boards",
@@ -51,13 +51,13 @@ def related(declaration):
             continue
         found = sorted((ROOT / "patches").rglob(word if word.endswith(".pd") else f"{word}.pd"))
         if not found:
-            raise SystemExit(f"{declaration['name']}: its declaration is related to {word}: expected an object, or a patch below patches/")
+            raise SystemExit(f"{declaration['name']}: 'related' names {word}: expected an object, or a patch in patches/")
         links.append(f"[{word}](../../{found[0].relative_to(ROOT).as_posix()})")
     return ", ".join(links)
 
 
 def explained(declaration, docs):
-    """Links to the pages that explain it."""
+    """Links to the pages that explain the object."""
     links = []
     for words in filter(None, declaration["pages"].split(", ")):
         title, _, file = words.partition(": ")
@@ -68,7 +68,8 @@ def explained(declaration, docs):
 
 
 def forms(message):
-    """A message as it is typed: one form, or several where the declaration separates more than single words by " | "."""
+    """The forms of a message as the user types them. There are several if the declaration separates them by " | "
+    outside brackets."""
     given = re.split(r" \| (?![^(\[]*[)\]])", message["arguments"])  # not within ( ) or [ ]
     if all(" " not in form for form in given):
         given = [message["arguments"]]
@@ -76,7 +77,7 @@ def forms(message):
 
 
 def in_the_box(declaration):
-    """What may be written in the object's box, as a paragraph."""
+    """A paragraph about what the user may write in the object's box."""
     name, arguments = declaration["name"], declaration["arguments"]
     flags = [f"-{p['name']} {initial_text(p)}" for p in declaration["parameters"][:1]]
     flags += [f"-{m['name']} {m['arguments'].split('|')[0].split()[0]}" for m in declaration["messages"]
@@ -121,7 +122,7 @@ def page(declaration):
 
 
 def surface_tables(keys):
-    """Units, ranges and initial values of all keys, a table for each section."""
+    """Units, ranges and initial values of all keys, in one table for each section."""
     out = []
     for section, title in SECTIONS.items():
         out += [f"### {title}", ""]
@@ -133,7 +134,7 @@ def surface_tables(keys):
 
 
 def pages(declarations, keys, folder):
-    """Every page that is written here, by its path."""
+    """The texts of all pages, by path."""
     for d in declarations:
         spell_choices(d)
         yield folder / "reference" / f"{d['name']}.md", page(d)

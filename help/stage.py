@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Fills the flat library folder that Pd loads: help patches, abstractions, object list, meta patch.
 
-A help patch in this folder is drawn by hand: a window, an example, nothing else. On its way to the
-library it gets, from the object's declaration, a title bar, one line for each inlet, outlet and
-argument along the bottom, what to look at next, a sub-patch [pd reference] with every argument,
-parameter and message, and the sub-patch [pd META] that Pd's help browser and deken read.
+A help patch in this folder is drawn by hand and contains only a window and an example. This script adds, from the
+object's declaration, a title bar, one line for each inlet, outlet and argument along the bottom, links to what to look
+at next, a sub-patch [pd reference] with every argument, parameter and message, and the sub-patch [pd META] that Pd's
+help browser and deken read.
 
     stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
-    stage.py --stage FOLDER SOURCE...                             abstractions alone, which need no declaration
+    stage.py --stage FOLDER SOURCE...                             only abstractions, which need no declaration
 
-reference_page.py writes the same as Markdown, docs/reference/NAME.md.
+reference_page.py writes the same content as Markdown, docs/reference/NAME.md.
 """
 import argparse
 import json
@@ -22,12 +22,12 @@ LICENCE = "GPL-3.0-or-later"
 WEBSITE = "see README.md"
 TITLE_COLOUR = "#2f4f5f"
 RULE_COLOUR = "#dcdcdc"
-LINE = 17  # pixels between two lines of text
-PAGE = 640  # pixels of [pd reference] that one window shows
+LINE = 17  # height of a line of text in pixels
+PAGE = 640  # height of one window of [pd reference] in pixels
 
 
 def escape(text):
-    """Text as a Pd file holds it. Pd ends a line of a comment at a semicolon: none are left."""
+    """Escapes text for a Pd file. Semicolons are replaced, because Pd ends a line of a comment at a semicolon."""
     text = text.replace(";", ",")
     for symbol in ("\\", ",", "$"):
         text = text.replace(symbol, " \\" + symbol if symbol == "," else "\\" + symbol)
@@ -45,7 +45,7 @@ def rule(x, y, width, height, label="", colour=RULE_COLOUR, text_colour="#303030
 
 
 def number(value):
-    digits = 8 if value == int(value) else 7  # 16777216 as it is
+    digits = 8 if value == int(value) else 7  # enough digits for 16777216
     return f"{value:.{digits}g}".replace("e+0", "e").replace("e+", "e")
 
 
@@ -65,8 +65,8 @@ def initial_text(parameter):
 
 
 def spaced(text):
-    """Choices that read "left | right" where the declaration has left|right; in parentheses where
-    more stands beside them: "number (0 | 1)", "[left | right] (wood | snow)"."""
+    """Rewrites choices left|right of the declaration as "left | right", in parentheses if other words stand beside
+    them: "number (0 | 1)", "[left | right] (wood | snow)"."""
     def spell(match):
         inner = match[1] or match[2]
         choices = " | ".join(inner.split("|"))
@@ -75,7 +75,7 @@ def spaced(text):
 
 
 def spell_choices(declaration):
-    """Spaces the choices in what a declaration says of messages and ports."""
+    """Applies spaced() to a declaration's texts about messages and ports."""
     for entry in declaration["messages"] + declaration["inlets"] + declaration["outlets"]:
         for key in {"arguments", "text"} & entry.keys():
             entry[key] = spaced(entry[key])
@@ -90,7 +90,8 @@ def ports(declaration, side):
 
 
 def wrap(text, width):
-    """How many lines a Pd comment of that width takes: broken at blanks, a longer word within itself."""
+    """The number of lines of a Pd comment of that width. Lines break at blanks; a word longer than a line breaks
+    inside."""
     lines = 1
     while len(text) > width:
         blank = text[:width + 1].rfind(" ")
@@ -100,7 +101,7 @@ def wrap(text, width):
 
 
 def reference_rows(declaration):
-    """What [pd reference] says, row by row: a heading, or a left and a right text."""
+    """The rows of [pd reference]. Each row is a heading, or a left and a right text."""
     if declaration["arguments"]:
         yield "arguments (flags may stand before, between or after them)", None
         for i, name in enumerate(declaration["arguments"]):
@@ -154,7 +155,7 @@ def meta_patch(declaration):
 
 
 def fill_help(source, declaration):
-    """The finished help patch: the drawn one, with what the declaration knows."""
+    """The finished help patch: the drawn patch completed from the declaration."""
     window = re.match(r"#N canvas (-?\d+) (-?\d+) (\d+) (\d+) (\d+);", source)
     if not window:
         raise SystemExit(f"{declaration['name']}-help.pd: first line: expected #N canvas X Y WIDTH HEIGHT SIZE;")

@@ -5,18 +5,18 @@
 
 #include <string>
 
-/// Access control of both protocols: the checks of a connection before its hello is answered, and
-/// how connections that were not admitted are reported.
+/// Access control of both protocols: checks a connection before its hello is answered, and reports
+/// connections that were not admitted.
 namespace tactus::net {
 
-/// Our sentence for a code by which a connection is refused; empty for any other code.
+/// The local sentence for a code of refusal; empty for any other code.
 [[nodiscard]] std::string_view refusal_text(std::string_view code) noexcept;
 
-/// The text to show for an `error` or `bye` from a peer that has not been admitted: the local
+/// The text to show for an `error` or `bye` from a peer that has not been admitted. It is the local
 /// sentence for the protocol's code, never the peer's own text.
 [[nodiscard]] std::string_view refusal_text_of_peer(std::string_view code) noexcept;
 
-/// The clients of one server or link, by the token that they bring and their number.
+/// Admits the clients of one server or link by their token, up to a maximum number.
 class Admission {
 public:
   explicit Admission(std::string token = {}) : token_(std::move(token)) {}
@@ -34,10 +34,11 @@ private:
   std::size_t clients_ = 0;
 };
 
-/// The index for a new connection among `sessions`, pointers to PeerConnections: a free one, or
-/// that of a pending connection, which the new one replaces. Among the connections of the address
-/// with most pending ones, the new one included, the oldest is replaced. So an address cannot keep
-/// others out, and connections that stay silent cannot keep out one that sends hello.
+/// The index for a new connection in `sessions`, which holds pointers to PeerConnections: a free
+/// index, or that of a pending connection, which the new connection replaces. The function finds
+/// the address with the most pending connections, counting the new one, and replaces the oldest of
+/// them. So no address can keep others out, and silent connections cannot keep out a connection
+/// that sends hello.
 template <class Sessions>
 [[nodiscard]] std::size_t slot_for(const Sessions& sessions, std::string_view peer) {
   static_assert(std::tuple_size_v<Sessions> == kMaxConnections);

@@ -7,7 +7,7 @@
 namespace tactus::net {
 
 /// Pauses between attempts to connect: 0.25, 0.5, 1, 2 and then 4 s, each by up to 20 % longer or
-/// shorter, so that many clients do not come back at the same moment.
+/// shorter, so that many clients do not reconnect at the same moment.
 class Backoff {
 public:
   static constexpr double kFirst_s = 0.25, kMax_s = 4, kSpread = 0.2;
@@ -17,7 +17,7 @@ public:
     pause_s_ = std::min(2 * pause_s_, kMax_s);
     return pause_s;
   }
-  /// The connection has worked.
+  /// Call it when the connection has worked.
   void reset() noexcept { pause_s_ = kFirst_s; }
 
 private:

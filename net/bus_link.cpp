@@ -24,13 +24,13 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kLinkConnect_s = 2, kCloseTimeout_s = 0.2;
-constexpr int kSilentAttempts = 2;   ///< to connect, before a failure is reported
-constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to release its port
+constexpr int kSilentAttempts = 2;   ///< attempts to connect before a failure is reported
+constexpr double kPortInUse_s = 0.5; ///< time for an ended link to release its port
 constexpr auto kLinkPollInterval = std::chrono::milliseconds(5);
 
 } // namespace
 
-/// The sockets of a link, in a thread that may outlive it by a moment.
+/// The sockets of a link, in a thread that may outlive the link by a moment.
 class BusLink::Worker {
 public:
   Worker(BusSession::Side side, BusSettings settings)
@@ -44,7 +44,7 @@ public:
   std::shared_ptr<std::atomic<bool>> ended = std::make_shared<std::atomic<bool>>(false);
 
 protected:
-  /// False when it is to end.
+  /// Returns false if the thread is to end.
   bool pause(double seconds) {
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
     while (!stop_ && Clock::now() < until) {
@@ -115,7 +115,7 @@ void BusLink::listen(int port, const std::string& address) {
   start(std::make_shared<Listener>(settings(), port, address));
 }
 
-// One function, since nothing else uses the class of the worker's thread.
+// Long, because it contains the worker's class, which nothing else uses.
 void BusLink::connect(const std::string& host, int port) {
   class Caller final : public Worker {
   public:
@@ -141,7 +141,7 @@ void BusLink::connect(const std::string& host, int port) {
     }
 
   private:
-    /// One connection, until it ends; why it did.
+    /// Runs one connection until it ends. Returns the reason of the end.
     std::string run_session() {
       ready_once_ = false;
       Wire wire(stop_);

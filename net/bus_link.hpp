@@ -12,9 +12,9 @@ namespace tactus::net {
 class BusLink {
 public:
   struct Delivered {
-    const Message& topic; ///< its fields; a time among them counts from sent_s
+    const Message& topic; ///< the topic's fields; a time field counts from sent_s
     double sent_s;        ///< time of sending, converted to this patch's logical time
-    bool late;            ///< by more than kTolerance_s behind its playout time
+    bool late;            ///< more than kTolerance_s after its playout time
   };
   using Receiver = std::function<void(const Delivered&)>;
   /// Longest interval between calls of poll().
@@ -25,18 +25,18 @@ public:
   BusLink(const BusLink&) = delete;
   BusLink& operator=(const BusLink&) = delete;
 
-  /// Waits for others on a port of 127.0.0.1 and ::1, or of one numeric address, which needs a
-  /// token. Errors come as notices.
+  /// Waits for callers on a port of 127.0.0.1 and ::1, or of one numeric address, which needs a
+  /// token. Errors are reported as notices.
   void listen(int port, const std::string& address);
-  /// Calls that host, again and again until disconnect().
+  /// Connects to that host, and reconnects until disconnect() is called.
   void connect(const std::string& host, int port);
   /// Ends all connections. Returns at once: the peers are informed in the background.
   void disconnect() noexcept;
   [[nodiscard]] bool open() const noexcept { return worker_ != nullptr; }
 
-  /// For connections from the next listen() or connect() on.
+  /// Applies to connections from the next listen() or connect() on.
   void set_token(std::string token) { token_ = std::move(token); }
-  /// s, up to PlayoutDelay::kMax_s; nothing: automatic.
+  /// Sets the playout delay in s, up to PlayoutDelay::kMax_s; nullopt: automatic.
   void set_playout(std::optional<double> delay_s) noexcept;
 
   /// Sends a topic to all peers; now_s: logical time of the patch. False if the topic is longer
@@ -44,7 +44,7 @@ public:
   [[nodiscard]] bool send(const Message& topic, double now_s) noexcept;
   /// Delivers the messages that are due. Returns the logical time of the next call.
   double poll(double now_s, const Receiver& receiver);
-  /// What happened since the last call.
+  /// Returns the notices since the last call.
   [[nodiscard]] std::vector<BusExchange::Notice> take_notices();
 
   [[nodiscard]] int peers() const noexcept;
@@ -63,8 +63,8 @@ private:
   std::string token_{};
   double playout_s_ = -1;
   std::shared_ptr<Worker> worker_{};
-  /// Clock of the sockets minus logical time: logical time is never early, so the least is the true
-  /// one, whatever holds the patch's thread up.
+  /// Clock of the sockets minus logical time. Logical time is never early, so the smallest
+  /// difference is the true one, even if the patch's thread is held up.
   MinimumFilter ahead_{};
   SlewedOffset clock_{kClockWarmUp_s};
   static constexpr double kClockWarmUp_s = 2;

@@ -41,7 +41,8 @@ void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, doub
       topic.add(message[i]);
     std::array<std::uint8_t, kMaxSent> packet;
     const std::size_t size = encode_osc(topic, packet);
-    // Set before the message becomes visible, since the message may have raised the delay.
+    // Sets the delay before the message becomes visible, since the message may have raised the
+    // delay.
     incoming.delay_s = session.playout().value(now_s);
     const std::size_t reserve = bus_topic(message.name()).is_event ? 0 : BusExchange::kReserve;
     return size > 0 && incoming.ring.push(sent_s, {packet.data(), size}, late, reserve);

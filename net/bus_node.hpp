@@ -13,7 +13,8 @@
 namespace tactus::net {
 
 /// Data exchanged between the socket thread of a bus link and the patch's thread. Messages pass
-/// through wait-free rings; notices pass through a lock that the patch's thread only tries.
+/// through wait-free rings; notices are guarded by a lock, which the patch's thread only tries to
+/// take.
 class BusExchange {
 public:
   static constexpr std::size_t kOutgoing = 1u << 20, kIncoming = 1u << 20;
@@ -22,8 +23,8 @@ public:
 
   /// Messages from one peer.
   struct Incoming {
-    PacketRing ring{kIncoming};     ///< a topic as an OSC packet; its time by this side's clock, s
-    std::atomic<double> delay_s{0}; ///< playout, after its time
+    PacketRing ring{kIncoming};     ///< topics as OSC packets; their times by this side's clock, s
+    std::atomic<double> delay_s{0}; ///< playout delay after a packet's time
     std::atomic<double> transit_s{0}; ///< half the shortest round trip
   };
   /// An event for the info outlet: a word, then its data.
@@ -31,14 +32,14 @@ public:
     enum class What { kListening, kConnected, kLate, kBack, kEnded, kWarning, kFailed };
     What what;
     std::string text{};
-    int number = 0; ///< kListening: port; kConnected, kEnded: number of connected peers
+    int number = 0; ///< port (kListening) or number of peers (kConnected, kEnded)
   };
 
   PacketRing outgoing{kOutgoing};
   std::array<Incoming, kMaxConnections> incoming{};
   std::atomic<int> ready{0};           ///< peers that receive messages
-  std::atomic<double> playout_s{-1};   ///< fixed delay; below 0: automatic
-  std::atomic<bool> overflowed{false}; ///< an event did not fit: the connections end
+  std::atomic<double> playout_s{-1};   ///< fixed delay; automatic if below 0
+  std::atomic<bool> overflowed{false}; ///< an event did not fit, so the connections end
 
   void post(Notice notices);
   /// False if the lock is taken: call again later.
@@ -66,14 +67,14 @@ public:
   }
   [[nodiscard]] bool guarded() const noexcept override { return admission_.guarded(); }
 
-  /// Call once a millisecond: sends the patch's messages, and those that depend on time alone.
+  /// Call it once a millisecond. Sends the patch's messages and those that are due by time.
   void advance(double now_s);
 
   [[nodiscard]] bool connected(ClientId client) const noexcept {
     return sessions_[client] != nullptr;
   }
   [[nodiscard]] const BusSession& session(ClientId client) const { return *sessions_[client]; }
-  /// Why the last connection ended.
+  /// The reason for which the last connection ended.
   [[nodiscard]] const std::string& last_reason() const noexcept { return last_reason_; }
 
 private:

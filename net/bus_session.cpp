@@ -52,7 +52,7 @@ void BusSession::take(FrameReader::Outcome outcome, const Message& message, doub
     send_error("frame", reader.reason(), now_s);
     return end("frame");
   }
-  // Above the rate streams are left out; events are taken as long as there is room.
+  // Above the maximum rate, streams are dropped; events are accepted while there is room.
   const bool event = outcome == FrameReader::Outcome::kMessage &&
                      message.address() == Address::kTopic && bus_topic(message.name()).is_event;
   if (!packets.allow(now_s) && !event) {
@@ -82,14 +82,14 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
     const auto code = message.string_at(0), text = message.string_at(1);
     if (admitted)
       warning_ = printable(code.value_or("-")) + ": " + printable(text.value_or("-"));
-    else if (side_ == Side::kCaller) // the answer to its hello
+    else if (side_ == Side::kCaller) // the answer to this side's hello
       warning_ = refusal_text_of_peer(code.value_or(""));
     return {};
   }
   case Address::kBye:
     if (admitted)
-      reason_ =
-          "the peer closed it: " + printable(message.string_at(0).value_or("no reason given"));
+      reason_ = "the peer closed the connection: " +
+                printable(message.string_at(0).value_or("no reason given"));
     else
       reason_ = refusal_text_of_peer(message.string_at(0).value_or(""));
     closing = true;
@@ -191,8 +191,9 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
     return {"arguments", "a topic is 1 to 32 letters, digits, _ and -"};
   const BusTopic topic = bus_topic(message.name());
   if (topic.has_time && !message.number_at(kTopicHead))
-    return {"arguments", "the first field of this topic is its time, ms after the message's"};
-  // 0: the sender does not number its events.
+    return {"arguments",
+            "the first field of this topic is its time, in ms after the message's time"};
+  // Sequence 0 means that the sender does not number its events.
   if (*sequence != 0 && topic.is_event)
     count_event(message, now_s);
   const auto stamp = static_cast<std::uint32_t>(*clock_us);
@@ -208,7 +209,7 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   return {};
 }
 
-/// Events are numbered from 1 on, and may begin again there.
+/// Events are numbered from 1; their numbers may restart at 1.
 void BusSession::count_event(const Message& message, double now_s) {
   if (may_be_rounded(message[0]))
     return send_error("sequence",

@@ -23,16 +23,17 @@ class BusSession : public PeerConnection {
 public:
   enum class Side { kListener, kCaller };
   /// Receives a topic's fields, without its head. sent_s: time of sending on this side's clock.
-  /// late: it arrived after its playout time. Returns false if there is no room for it.
+  /// late: the message arrived after its playout time. Returns false if there is no room for the
+  /// message.
   using Receiver = std::function<bool(const Message& message, double sent_s, bool late)>;
 
-  /// Bytes of streams that are queued at most: 0.75 s of 1000 positions a second, so that a
-  /// connection that stalls for less loses no contact.
+  /// Maximum number of queued bytes of streams: 0.75 s at 1000 positions a second, so that a
+  /// connection that stalls for a shorter time loses no contact.
   static constexpr std::size_t kStreamLimit = 1u << 16;
   /// Exchanges of clock readings before messages are sent, and their interval.
   static constexpr int kFirstPings = 8;
   static constexpr double kFirstPing_s = 0.01;
-  /// Topics a second: kPackets_hz less pings and pongs.
+  /// Maximum number of topics a second: kPackets_hz minus pings and pongs.
   static constexpr double kTopics_hz = 4800;
 
   BusSession(Side side, const BusSettings& settings, Admission& admission, std::string peer,
@@ -44,19 +45,21 @@ public:
   /// dropped.
   void send(const Message& topic, std::uint32_t sent, double now_s);
 
-  /// Both sides have been admitted and know each other's clock: messages can be exchanged.
+  /// True once both sides have been admitted and know each other's clock, so that messages can be
+  /// exchanged.
   [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
-  /// Nothing has been received for 500 ms.
+  /// True if nothing has been received for 500 ms.
   [[nodiscard]] bool late(double now_s) const noexcept {
     return now_s - last_message_s >= kSilence_s;
   }
   [[nodiscard]] PlayoutDelay& playout() noexcept { return playout_; }
   [[nodiscard]] const PlayoutClock& clock() const noexcept { return clock_; }
-  /// Why the connection ended: one sentence or a word of the protocol.
+  /// The reason for which the connection ended: one sentence or a word of the protocol.
   [[nodiscard]] const std::string& reason() const noexcept { return reason_; }
-  /// The error that the other side has reported since the last call; empty when none.
+  /// The error that the other side has reported since the last call; empty if there is none.
   [[nodiscard]] std::string take_warning() { return std::exchange(warning_, {}); }
-  /// Events that the other side has sent and that did not arrive: 0 while both follow the protocol.
+  /// Number of events that the other side sent but this side did not receive; 0 while both follow
+  /// the protocol.
   [[nodiscard]] std::uint64_t lost_events() const noexcept { return lost_events_; }
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 

@@ -13,8 +13,8 @@ Message& add_mm(Message& message, const Vec3& position_m) {
   return message;
 }
 
-/// The vector of a `pos` or `vel`; nothing when it is none, or is no newer than `last`: a datagram
-/// that was overtaken, or the copy of one.
+/// The vector of a `pos` or `vel`; nullopt for any other message and for a sample that is not newer
+/// than `last`, such as an overtaken or repeated datagram.
 std::optional<Vec3> newer_sample(const Message& message,
                                  std::optional<std::int32_t>& last) noexcept {
   const auto sequence = message.integer_at(0);

@@ -14,7 +14,7 @@
 
 namespace tactus::net {
 
-/// A client's settings, sent after every connection. m, N
+/// A client's settings, in m and N, sent at the start of every connection.
 struct ClientSetup {
   std::optional<haptic::Workspace> workspace{};
   std::vector<Vec3> points{};
@@ -35,31 +35,32 @@ struct Welcome {
 struct ClientSettings {
   std::string name = "tactus", token{};
   double position_hz = 1000;
-  bool udp = false; ///< positions as datagrams, where the server has them
+  bool udp = false; ///< positions as datagrams, if the server supports them
 };
 
-/// The protocol's client without sockets, threads and clocks, as Server is. After every connection
-/// the motors are off until start() is called again: an earlier start() does not carry over.
+/// The protocol's client; like Server, it has no sockets, threads or clocks. After each new
+/// connection the motors stay off until start() is called again.
 class Client {
 public:
-  static constexpr double kWelcome_s = 2; ///< timeout of the welcome
-  static constexpr double kSilence_s = 2; ///< silence of the server after which the connection ends
+  static constexpr double kWelcome_s = 2; ///< longest wait for the welcome
+  static constexpr double kSilence_s = 2; ///< the connection ends after this silence of the server
 
   explicit Client(ClientSettings settings = {}) : settings_(std::move(settings)) {}
 
   /// Begins a connection: queues hello and the setup.
   void connect(double now_s);
   void disconnect() noexcept;
-  /// False if the connection must end; trouble() then has the reason.
+  /// Handles received bytes. Returns false if the connection must end; trouble() then gives the
+  /// reason.
   [[nodiscard]] bool receive(std::span<const std::uint8_t> bytes, double now_s);
-  /// Reads a datagram from the server's address. A datagram that is no position with this client's
+  /// Reads a datagram from the server's address. Any datagram except a position with this client's
   /// key is counted and ignored.
   void receive_datagram(std::span<const std::uint8_t> bytes, double now_s);
-  /// The client's side of the datagrams; its port() is the server's, 0: none.
+  /// The client's side of the datagrams; its port() is the server's, 0 without datagrams.
   [[nodiscard]] DatagramReceiver& datagrams() noexcept { return datagrams_; }
   /// True if the server refused datagrams: positions then arrive over TCP.
   [[nodiscard]] bool udp_refused() const noexcept { return udp_refused_; }
-  /// Once a millisecond or so: pings. False as receive().
+  /// Call it about once a millisecond; sends pings. Returns false as receive() does.
   [[nodiscard]] bool advance(double now_s);
 
   void set(ClientSetup setup);
@@ -69,24 +70,24 @@ public:
   void send_feedback(const Vec3& gamma);
 
   [[nodiscard]] OutQueue& out() noexcept { return out_; }
-  /// Welcome, and the first position is there.
+  /// True once the welcome and the first position have arrived.
   [[nodiscard]] bool ready() const noexcept { return ready_; }
-  /// start() has been called and the server has not ended it.
+  /// True if start() has been called and the server has not ended control.
   [[nodiscard]] bool in_control() const noexcept { return in_control_; }
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
   [[nodiscard]] const Vec3& position() const noexcept { return position_; } ///< m
   [[nodiscard]] double position_s() const noexcept {
     return position_s_;
   } ///< arrival time of the position
-  /// The velocity that the server's servo has estimated, m/s. Differences of positions received
-  /// over a network would contain its jitter: two positions in one tick, none in the next.
+  /// The velocity that the server's servo has estimated, m/s. Differences of received positions
+  /// would contain the network's jitter: two positions in one tick, none in the next.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
   /// Counts how often the server refused or ended this client's control.
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
-  /// The shortest measured, s; nothing before the first pong.
+  /// The shortest measured round trip, s; nullopt before the first pong.
   [[nodiscard]] std::optional<double> round_trip_s() const noexcept { return round_trip_s_; }
-  /// The last error, one sentence; empty when all is well.
+  /// The last error, one sentence; empty if there is none.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
 
 private:

@@ -7,7 +7,7 @@
 namespace tactus::net {
 namespace {
 
-/// Nothing when the datagram is too long or no packet of the protocol.
+/// Returns nullopt if the datagram is too long or is not a packet of the protocol.
 std::optional<Message> decoded(std::span<const std::uint8_t> bytes) noexcept {
   Message message;
   if (bytes.size() > kMaxDatagram || !decode_osc(bytes, message).empty())

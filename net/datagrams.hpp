@@ -7,25 +7,26 @@
 #include <span>
 
 /// Positions and velocities as UDP datagrams, beside the TCP connection of the same client
-/// (docs/formats/haptic_protocol.md): one OSC packet each, numbered, and with the key that the
-/// server gave the client over TCP. A lost packet of TCP holds back all that follow it by a round
-/// trip or more; a lost datagram costs one sample. Nothing that moves a motor travels so.
+/// (docs/formats/haptic_protocol.md): each is one numbered OSC packet with the key that the server
+/// gave the client over TCP. A lost packet of TCP delays all later packets by a round trip or more;
+/// a lost datagram costs one sample. Messages that move a motor are never sent as datagrams.
 namespace tactus::net {
 
 /// Interval at which a client confirms over UDP the newest sample received.
 inline constexpr double kProbeInterval_s = 0.05;
-/// Without news of samples that arrived for this long, TCP carries them again: half of the silence
-/// after which a remote device counts as failed; the other half is for the samples over TCP.
+/// If the client confirms no new sample for this long, TCP carries the samples again. This is half
+/// of the silence after which a remote device counts as failed; the other half is for the samples
+/// over TCP.
 inline constexpr double kDatagramSilence_s = 0.25;
-/// A client that sent no probe for this long is sent no datagrams.
+/// If a client has sent no probe for this long, the server sends it no datagrams.
 inline constexpr double kProbeTimeout_s = 5;
-/// Longest datagram of the protocol, bytes; longer ones are ignored unread.
+/// Longest datagram of the protocol, bytes; longer datagrams are ignored unread.
 inline constexpr std::size_t kMaxDatagram = 128;
-/// Datagrams read per millisecond; beyond that the kernel drops them.
+/// Datagrams read per millisecond; the kernel drops any more.
 inline constexpr int kMaxDatagramsPerTick = 32;
 
-/// Sequence numbers run from 0 to 2^31 - 1 and begin again: b counts as older than a when a is
-/// ahead of it by less than half of that.
+/// Sequence numbers run from 0 to 2^31 - 1 and then restart. b counts as older than a if a is ahead
+/// of b by less than half of this range.
 [[nodiscard]] constexpr bool is_newer(std::int32_t a, std::int32_t b) noexcept {
   const std::uint32_t ahead =
       (static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b)) & 0x7fffffffu;
@@ -42,22 +43,22 @@ struct Datagram {
   [[nodiscard]] std::span<const std::uint8_t> span() const noexcept { return {bytes.data(), size}; }
 };
 
-/// The server's side for one client.
+/// The server's side of the datagrams of one client.
 class DatagramSender {
 public:
-  /// The client asks for datagrams under this key, from now on.
+  /// Sends the client datagrams under this key from now on.
   void open(std::int32_t key) noexcept;
   void close() noexcept { *this = {}; }
-  [[nodiscard]] std::int32_t key() const noexcept { return key_; } ///< 0: closed
+  [[nodiscard]] std::int32_t key() const noexcept { return key_; } ///< 0 if closed
 
-  /// A probe of this client (`udp key sequence`). It confirms when it names a sample that was sent
-  /// by datagram and is newer than those confirmed before.
+  /// A probe of this client (`udp key sequence`). The probe confirms a sample if it names one that
+  /// was sent as a datagram and is newer than all confirmed before.
   void take_probe(std::int32_t sequence, double now_s) noexcept;
   /// True while probes arrive, so that there is an address to send to.
   [[nodiscard]] bool reachable(double now_s) const noexcept {
     return key_ != 0 && now_s - probed_s_ < kProbeTimeout_s;
   }
-  /// Samples arrive, so that TCP need not carry them.
+  /// True while samples arrive as datagrams, so that TCP need not carry them.
   [[nodiscard]] bool confirmed(double now_s) const noexcept {
     return key_ != 0 && now_s - confirmed_s_ < kDatagramSilence_s;
   }
@@ -65,7 +66,7 @@ public:
   /// Queues a message whose first argument is its sequence number; the key is appended. If the
   /// queue is full, the oldest message is replaced.
   void add(Message message) noexcept;
-  /// The next to be sent; nothing when all are.
+  /// The next datagram to be sent; nullopt if all have been sent.
   [[nodiscard]] std::optional<Datagram> take() noexcept;
 
 private:
@@ -79,18 +80,18 @@ private:
   std::size_t begin_ = 0, count_ = 0;
 };
 
-/// The client's side.
+/// The client's side of the datagrams.
 class DatagramReceiver {
 public:
-  /// The server's answer: its key and the UDP port to which probes go.
+  /// Called with the server's answer: the key and the UDP port to which probes are sent.
   void open(std::int32_t key, int port) noexcept;
   void close() noexcept { *this = {}; }
-  [[nodiscard]] int port() const noexcept { return port_; } ///< 0: closed
+  [[nodiscard]] int port() const noexcept { return port_; } ///< 0 if closed
 
-  /// Reads a datagram. False, and counted, when it is no `pos` or `vel` with five arguments and our
-  /// key behind them. The message has the key no more.
+  /// Reads a datagram into `message`, without the key. Any datagram except a `pos` or `vel` with
+  /// five arguments and our key after them is counted as ignored and returns false.
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes, Message& message) noexcept;
-  /// The probe, when one is due.
+  /// The probe, if one is due.
   [[nodiscard]] std::optional<Datagram> probe(double now_s) noexcept;
 
   [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
@@ -103,7 +104,7 @@ private:
   std::uint64_t received_ = 0, ignored_ = 0;
 };
 
-/// A probe's key and sequence number; nothing when the datagram is anything else.
+/// A probe's key and sequence number; nullopt if the datagram is anything else.
 struct Probe {
   std::int32_t key = 0, sequence = -1;
 };

@@ -41,7 +41,7 @@ FrameReader::Outcome FrameReader::broken(std::string_view reason) noexcept {
   return Outcome::kBroken;
 }
 
-/// False when the packet is full.
+/// Returns false if the packet is full.
 bool FrameReader::append_byte(std::uint8_t byte) noexcept {
   if (size_ == packet_.size())
     return false;
@@ -68,7 +68,7 @@ bool FrameReader::take_element(Message& message) noexcept {
   return !element.empty() && decode_osc(element, message).empty();
 }
 
-/// RFC 1055; an END without a packet before it is a separator.
+/// Decodes RFC 1055. An END without a packet before it is a separator.
 FrameReader::Outcome FrameReader::take_slip(std::uint8_t byte, Message& message) noexcept {
   if (byte == kEnd) {
     const bool complete = size_ > 0 && !discarding_ && !escaping_;
@@ -159,11 +159,11 @@ FrameReader::Outcome FrameReader::next(std::span<const std::uint8_t>& input,
     if (!framing_) {
       framing_ = framing_of(byte);
       if (!framing_)
-        return broken("unknown framing by the first byte: expected 0xC0 (SLIP), 0x00 (a "
+        return broken("unknown framing: expected the first byte to be 0xC0 (SLIP), 0x00 (a "
                       "length) or text");
       may_be_text_ = framing_ == Framing::kSlip && byte != kEnd;
     }
-    // A line of text may begin with a slash, too; an address of OSC ends with a zero.
+    // A line of text may also begin with a slash, but an OSC address ends with a zero.
     if (may_be_text_ && byte == ';')
       framing_ = Framing::kFudi;
     may_be_text_ = may_be_text_ && byte != 0 && byte != kEnd && byte != ';';

@@ -9,18 +9,18 @@
 
 namespace tactus::net {
 
-/// How messages are delimited on a stream; the first byte of a connection chooses.
+/// How messages are delimited on a stream. The first byte of a connection selects the framing.
 enum class Framing : std::uint8_t {
-  kSlip,   ///< 0xC0: OSC packets by RFC 1055, an END on both sides, as OSC 1.1 has it; `/` and `#`
-           ///< too, as RFC 1055 asks for the END behind a packet alone
-  kLength, ///< 0x00: OSC packets behind their length in 4 bytes, big-endian, as OSC 1.0 has it
-  kFudi,   ///< another printable byte: text, messages ended by a semicolon
+  kSlip,   ///< first byte 0xC0: OSC packets by RFC 1055 with an END on both sides, as in OSC 1.1;
+           ///< also `/` or `#`, since RFC 1055 requires only the END after a packet
+  kLength, ///< first byte 0x00: each OSC packet after its length, 4 bytes big-endian, as in OSC 1.0
+  kFudi,   ///< any other printable byte: text, each message ended by a semicolon
 };
 
 /// Longest OSC packet or text message, bytes.
 inline constexpr std::size_t kMaxPacket = 65536;
 
-/// Cuts a stream of bytes into messages. Allocates nothing; costs a bounded time a byte.
+/// Cuts a stream of bytes into messages. Allocates nothing; takes a bounded time per byte.
 class FrameReader {
 public:
   enum class Outcome {
@@ -36,9 +36,9 @@ public:
   [[nodiscard]] Outcome next(std::span<const std::uint8_t>& input, Message& message) noexcept;
   /// One sentence after kRefused, kBad and kBroken.
   [[nodiscard]] std::string_view reason() const noexcept { return reason_; }
-  /// Nothing before the first byte.
+  /// nullopt before the first byte.
   [[nodiscard]] std::optional<Framing> framing() const noexcept { return framing_; }
-  /// A frame has begun and is not complete.
+  /// True while a frame has begun but is not complete.
   [[nodiscard]] bool in_frame() const noexcept { return in_frame_; }
 
 private:
@@ -57,8 +57,8 @@ private:
   std::size_t size_ = 0;
   std::size_t elements_begin_ = 0, elements_end_ = 0; ///< the rest of a bundle in packet_
   bool in_frame_ = false, discarding_ = false, escaping_ = false, broken_ = false;
-  bool may_be_text_ = false; ///< kSlip whose first packet had neither an END nor a zero yet
-  std::uint32_t length_ = 0; ///< of the packet, kLength
+  bool may_be_text_ = false; ///< kSlip whose first packet contains no END or zero so far
+  std::uint32_t length_ = 0; ///< length of the packet, for kLength
   int length_bytes_ = 0;     ///< length bytes received so far
   std::uint32_t discarded_ = 0;
   std::string_view reason_{};
@@ -67,7 +67,7 @@ private:
 /// Longest frame that this side sends, bytes; every message of the protocol fits.
 inline constexpr std::size_t kMaxSent = 2048;
 
-/// Writes a message with its framing; returns the bytes written, 0 when they do not fit or the
+/// Writes a message with its framing; returns the bytes written, 0 if they do not fit or if the
 /// packet is longer than kMaxSent.
 [[nodiscard]] std::size_t encode_frame(Framing framing, const Message& message,
                                        std::span<std::uint8_t> out) noexcept;

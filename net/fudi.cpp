@@ -10,7 +10,7 @@ namespace {
 
 struct Word {
   std::string_view text;
-  bool has_escape = false; ///< had a backslash, so that it is no number
+  bool has_escape = false; ///< contained a backslash, so it is not a number
 };
 
 constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -65,7 +65,7 @@ std::string_view add_word(const Word& word, Message& message) noexcept {
   double number = 0;
   const std::errc failed = read_number(word.text, number);
   if (failed == std::errc::invalid_argument) {
-    message.string(word.text); // such as 1-2
+    message.string(word.text); // a word such as 1-2
     return {};
   }
   if (failed != std::errc() || !std::isfinite(static_cast<float>(number)))
@@ -137,7 +137,7 @@ std::string_view decode_fudi(std::span<char> text, Message& message, bool& found
     message = Message(Address::kUnknown, words[0].text);
     return {};
   }
-  std::size_t first = 2; // argument
+  std::size_t first = 2; // index of the first argument
   Address address = topic ? Address::kTopic : find_address(words[1].text);
   if (address == Address::kUnknown && count > 2) {
     address = find_address(words[1].text, words[2].text);

@@ -8,12 +8,12 @@
 /// Functions shared by the patch objects that use the network.
 namespace tactus::net {
 
-/// A word, or a number's shortest text.
+/// The atom's word, or the shortest text of its number.
 [[nodiscard]] std::string text_of(const Atom& atom);
 
-/// The token in the file that the message `token FILE` names, beside the patch, in the search path
-/// or by its own path. Tells the host when other users may read the file; nothing, and one error
-/// at the host, when it holds no token.
+/// Reads the token from the file that the message `token FILE` names: beside the patch, in the
+/// search path or by its own path. Logs it if other users may read the file. If the file holds no
+/// token, reports one error and returns nullopt.
 [[nodiscard]] std::optional<std::string> read_token(const Atom& file, Host& host);
 
 } // namespace tactus::net

@@ -15,7 +15,7 @@ namespace tactus::net {
 using Argument = std::variant<std::int32_t, float, std::string_view>;
 
 /// A counter received as a float of a million or more may be rounded: Pd's text has six digits, so
-/// the value may stand for neighbouring ones.
+/// the value may stand for several neighbouring integers.
 [[nodiscard]] constexpr bool may_be_rounded(const Argument& count) noexcept {
   const float* const number = std::get_if<float>(&count);
   return number && (*number >= 1e6F || *number <= -1e6F);
@@ -30,12 +30,12 @@ public:
   Message() = default;
   explicit Message(Address address) noexcept : address_(address) {}
 
-  /// For kUnknown: the name that came, for the answer; for kTopic: the topic.
+  /// own_name is the received name for kUnknown, needed for the answer, and the topic for kTopic.
   Message(Address address, std::string_view own_name) noexcept
       : address_(address), own_name_(own_name) {}
 
   [[nodiscard]] Address address() const noexcept { return address_; }
-  /// As in "cp/begin", or the unknown name that came, or the topic.
+  /// A name such as "cp/begin", or the received unknown name, or the topic.
   [[nodiscard]] std::string_view name() const noexcept {
     return address_ == Address::kUnknown || address_ == Address::kTopic ? own_name_
                                                                         : name_of(address_);
@@ -43,7 +43,7 @@ public:
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] const Argument& operator[](std::size_t i) const noexcept { return arguments_[i]; }
 
-  /// Drops an argument that does not fit; false then.
+  /// Drops an argument that does not fit and then returns false.
   bool add(const Argument& argument) noexcept {
     if (size_ == kMaxArguments)
       return false;
@@ -64,9 +64,9 @@ public:
     return *this;
   }
 
-  /// Reading by position. Pd sends every number as a float: a float that is a whole number of 32
-  /// bits is an integer too, and an integer is a number. Nothing when there is no such argument or
-  /// it is of another type.
+  /// Reads an argument by its position. Pd sends every number as a float, so a float that is a
+  /// whole number of 32 bits is also an integer, and an integer is also a number. Returns nullopt
+  /// if there is no such argument or if it has another type.
   [[nodiscard]] std::optional<std::int32_t> integer_at(std::size_t i) const noexcept;
   [[nodiscard]] std::optional<double> number_at(std::size_t i) const noexcept;
   [[nodiscard]] std::optional<std::string_view> string_at(std::size_t i) const noexcept;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kPrefix = "/hap/", kBusPrefix = "/bus/";
 constexpr std::size_t kBundleHead = 16; ///< #bundle and the time tag
-constexpr int kMaxDepth = 8;            ///< of bundles within bundles
+constexpr int kMaxDepth = 8;            ///< maximum depth of bundles within bundles
 
 class OscReader {
 public:
@@ -174,12 +174,12 @@ std::string_view check_osc(std::span<const std::uint8_t> packet) noexcept {
 
 std::span<const std::uint8_t> next_message(std::span<const std::uint8_t>& rest) noexcept {
   while (!rest.empty()) {
-    if (is_bundle(rest)) { // its elements follow, each behind its size
+    if (is_bundle(rest)) { // its elements follow, each after its size
       rest = rest.subspan(kBundleHead);
       continue;
     }
     std::uint32_t size = static_cast<std::uint32_t>(rest.size());
-    if (rest.front() == 0) { // of a size; a message begins with its slash
+    if (rest.front() == 0) { // first byte of a size; a message begins with a slash
       static_cast<void>(OscReader(rest).word(size));
       rest = rest.subspan(4);
     }

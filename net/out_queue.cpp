@@ -2,8 +2,7 @@
 
 namespace tactus::net {
 
-/// Removes the bytes already sent when they are the larger half, so that a byte is moved once at
-/// most.
+/// Removes the sent bytes once they are the larger half, so that each byte is moved at most once.
 void OutQueue::add(std::span<const std::uint8_t> bytes) {
   if (begin_ > size()) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin_));

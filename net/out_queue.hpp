@@ -16,9 +16,9 @@ public:
   explicit OutQueue(std::size_t stream_limit = kStreamLimit) noexcept
       : stream_limit_(stream_limit) {}
 
-  /// False when it does not fit: the client does not read.
+  /// Returns false if the event does not fit, because the client does not read.
   [[nodiscard]] bool add_event(std::span<const std::uint8_t> bytes);
-  /// False if the sample was dropped.
+  /// Returns false if the sample was dropped.
   bool add_sample(std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::size_t size() const noexcept { return bytes_.size() - begin_; }
   /// All queued bytes.

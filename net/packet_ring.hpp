@@ -9,9 +9,9 @@
 
 namespace tactus::net {
 
-/// A ring buffer of packets, each with a time and a flag, from one writing to one reading thread.
-/// Both sides are wait-free and allocate nothing. Each packet is contiguous: one that does not fit
-/// before the end starts at the front.
+/// A ring buffer of packets, each with a time and a flag, from one writing thread to one reading
+/// thread. Both sides are wait-free and allocate nothing. Each packet is contiguous: a packet that
+/// does not fit before the end starts at the front.
 class PacketRing {
 public:
   struct Packet {
@@ -20,11 +20,12 @@ public:
     std::span<const std::uint8_t> bytes{};
   };
 
-  /// capacity: bytes, packets' heads included; a multiple of 8.
+  /// capacity: in bytes, including the packets' headers; a multiple of 8.
   explicit PacketRing(std::size_t capacity)
       : capacity_(capacity), memory_(new std::uint8_t[capacity]) {}
 
-  /// False when it does not fit, or would leave less than `reserve` bytes free. For the writer.
+  /// Writer only. Returns false if the packet does not fit or would leave less than `reserve` bytes
+  /// free.
   [[nodiscard]] bool push(double time_s, std::span<const std::uint8_t> bytes, bool late = false,
                           std::size_t reserve = 0) noexcept {
     const std::size_t needed = size_of(bytes.size());
@@ -44,7 +45,7 @@ public:
     return true;
   }
 
-  /// The oldest packet; valid until pop(). For the reader.
+  /// Reader only: the oldest packet, valid until pop().
   [[nodiscard]] std::optional<Packet> front() noexcept {
     std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire))

@@ -20,7 +20,7 @@ std::span<const std::uint8_t> PeerConnection::encoded(const Message& message,
 void PeerConnection::send_event(const Message& message) {
   Buffer buffer;
   if (!closing && !out.add_event(encoded(message, buffer)))
-    closing = true; // the peer does not read, so no error is sent
+    closing = true; // no error is sent, because the peer does not read
 }
 
 bool PeerConnection::send_sample(const Message& message) {

@@ -19,8 +19,8 @@ struct PeerConnection {
         frame_since_s(now_s), connected_s(now_s) {}
 
   std::string peer, name = "-";
-  bool admitted = false; ///< hello was said and answered by welcome
-  bool closing = false;  ///< the queue is sent, then the connection ends
+  bool admitted = false; ///< hello was answered by welcome
+  bool closing = false;  ///< the connection ends once the queue is sent
 
   FrameReader reader{};
   OutQueue out;
@@ -31,32 +31,33 @@ struct PeerConnection {
   BadPackets bad_packets{};
   bool flooding = false; ///< above the rate limit; the error has been sent
 
-  /// The last number of this side's counts. Pd speaks text or SLIP.
+  /// The last value of this side's counters before they restart. A peer that may be Pd uses text or
+  /// SLIP.
   [[nodiscard]] std::int32_t last_count() const noexcept {
     return reader.framing() == Framing::kLength ? kLongCount : kShortCount;
   }
 
   /// Has no effect before the first byte has decided the framing.
   void send_event(const Message& message);
-  /// False if the sample was dropped.
+  /// Returns false if the sample was dropped.
   bool send_sample(const Message& message);
   /// At most kErrors_hz a second are sent.
   void send_error(std::string_view code, std::string_view text, double now_s);
   void send_bye(std::string_view reason);
-  /// Tells why hello is refused, by a code of refusal_text(), and ends the connection.
+  /// Sends the reason why hello is refused, as a code of refusal_text(), and ends the connection.
   void refuse_hello(std::string_view code, double now_s);
 
   /// Reads the next frame of the received bytes, and updates frame_since_s.
   [[nodiscard]] FrameReader::Outcome next(std::span<const std::uint8_t>& bytes, Message& message,
                                           double now_s) noexcept;
-  /// Answers a packet that is dropped; the 20th within a second ends the connection.
+  /// Answers a dropped packet with an error; the 20th within a second ends the connection.
   void count_bad_packet(std::string_view code, std::string_view text, double now_s);
-  /// Ends a connection with a frame that stays incomplete for 2 s or that is silent for 5 s,
-  /// and one that was not admitted within 2 s, whatever it says.
+  /// Ends the connection if a frame stays incomplete for 2 s, if the peer is silent for 5 s, or if
+  /// the peer is not admitted within 2 s, whatever it sends.
   void check_timeouts(double now_s);
 
 protected:
-  /// The framing of the side that sends first; the other side takes it over.
+  /// The framing of the side that sends first; the other side adopts it.
   std::optional<Framing> begins_in{};
 
 private:

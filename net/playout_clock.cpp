@@ -67,7 +67,8 @@ void PlayoutClock::set_remote_minimum(std::uint32_t minimum_us, double now_s) no
   const auto minimum_s = minimum_.value(now_s);
   if (!minimum_s)
     return;
-  // The sum of both minima is the shortest round trip: small, however far apart the clocks are.
+  // The sum of both minima is the shortest round trip. It is small, however far apart the clocks
+  // are.
   const auto here_us = *origin_ + stamp_of(*minimum_s);
   round_trip_s_ = std::max(0.0, difference_s(here_us + minimum_us, 0));
   offset_.update(*minimum_s - round_trip_s_ / 2, now_s);

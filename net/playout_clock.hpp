@@ -4,16 +4,16 @@
 #include <cstdint>
 #include <optional>
 
-/// Times of messages from another computer. In seconds of this side's clock, never decreasing,
-/// unless stated otherwise.
+/// Times of messages from another computer. All times are in seconds of this side's clock and never
+/// decrease, unless stated otherwise.
 namespace tactus::net {
 
 /// A clock's reading in microseconds modulo 2^32 (71 minutes), as it is transmitted.
 [[nodiscard]] std::uint32_t stamp_of(double clock_s) noexcept;
 
-/// The smallest sample of the last seconds: what a delay is without its queueing. One minimum is
-/// kept for each second, so that a clock's drift r shows within kWindow_s, with an error of at most
-/// r kWindow_s.
+/// The smallest sample of the last seconds, which is a delay without queueing. One minimum is kept
+/// for each second, so that a clock's drift r takes effect within kWindow_s, with an error of at
+/// most r kWindow_s.
 class MinimumFilter {
 public:
   static constexpr double kWindow_s = 8;
@@ -31,10 +31,10 @@ private:
   std::int64_t newest_ = -1;
 };
 
-/// An offset that follows its target without ever being stepped: time that is translated by it
-/// never goes back. The rate is kMin_rate, more when the error is large (a time constant of
-/// kTimeConstant_s), kMax_rate at most. While it warms up, kWarmUp_s from the first target on,
-/// nothing rests on it yet, and it takes the target as it is.
+/// An offset that follows its target without jumps, so that time translated by it never goes back.
+/// The rate is kMin_rate; for a large error it is higher (a time constant of kTimeConstant_s), up
+/// to kMax_rate. During the first warm_up_s_ after the first target, nothing depends on the offset
+/// yet, so it equals the target.
 class SlewedOffset {
 public:
   static constexpr double kMin_rate = 2e-3, kMax_rate = 0.5, kTimeConstant_s = 4;
@@ -49,7 +49,7 @@ private:
   bool known_ = false;
 };
 
-/// The offset of the other side's clock from this one's, by the smallest one-way delays in both
+/// The offset of the other side's clock from this side's, from the smallest one-way delays in both
 /// directions.
 ///
 /// A message stamped S by the other side that arrives at R on this side's clock gives the sample x
@@ -60,17 +60,17 @@ private:
 /// so a time that is sent there and back is still correct.
 class PlayoutClock {
 public:
-  /// Stamps that differ by more than this from the first would be ambiguous.
+  /// Adds the stamp of a message that arrived at that time.
   void add(std::uint32_t stamp, double arrived_s) noexcept;
   /// The minimum that the other side reports.
   void set_remote_minimum(std::uint32_t minimum_us, double now_s) noexcept;
 
-  /// For the other side; nothing before the first sample.
+  /// The minimum to send to the other side; nullopt before the first sample.
   [[nodiscard]] std::optional<std::uint32_t> minimum_us(double now_s) const noexcept;
-  /// Both sides have measured.
+  /// True once both sides have measured.
   [[nodiscard]] bool known() const noexcept { return offset_.known(); }
-  /// How long that message was on its way, 0 or more; before known(), how much longer than the
-  /// fastest.
+  /// The transit time of that message, 0 or more. Before known(), the excess over the fastest
+  /// message.
   [[nodiscard]] double delay_s(std::uint32_t stamp, double arrived_s) const noexcept;
   /// The shortest round trip, without processing times of the computers.
   [[nodiscard]] double round_trip_s() const noexcept { return round_trip_s_; }

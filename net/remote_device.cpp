@@ -23,18 +23,18 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kWelcomeTimeout_s = 4;
 constexpr double kStale_s = 0.1; ///< older positions get no force
-/// Longer than the servo takes to detect a failure.
+/// Longer than the servo needs to detect a failure.
 constexpr double kFailureHold_s = 0.1;
 /// While positions are late by less than this, as after a lost packet of TCP, the last velocity is
-/// held, so that a hit in the positions that then arrive together has its speed. Later the velocity
-/// counts as zero, because dampers would act on an old one.
+/// kept, so that a hit keeps its speed when the delayed positions arrive together. Later the
+/// velocity counts as zero, because dampers would act on an old velocity.
 constexpr double kHeldVelocity_s = 0.05;
 constexpr double kRepeat_s = 0.1;    ///< repeat interval of an unchanged force
-constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
-constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
+constexpr double kMeasure_s = 0.6;   ///< time to measure the round trip when opening
+constexpr double kRounding_m = 5e-9; ///< rounding error of 100 mm in 32 bits
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
-/// A whole number from 1 to 65535; 0 when the text is none.
+/// A whole number from 1 to 65535; 0 for any other text.
 int port_of(std::string_view text) noexcept { return to_number(text, 1, 65535).value_or(0); }
 
 } // namespace
@@ -77,7 +77,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     return {};
   }
   if (words.size() == 2 && words[0] == "device") {
-    if (words[1] == "0") // the index by which `devices` lists the configured server
+    if (words[1] == "0") // index of the configured server in the list of `devices`
       return {};
     if (words[1].find_first_not_of("0123456789") == std::string::npos)
       return "net: device " + words[1] + ": expected 0, HOST or HOST:PORT";
@@ -229,7 +229,7 @@ void RemoteDevice::run_connection() {
       failure =
           "no haptic server answers on " + server + " (" + failure + "): start haptic_server there";
     }
-    // Long enough for the servo to detect that there is no device and to stop its motors.
+    // Lasts long enough for the servo to detect the missing device and to stop its motors.
     sample_.connected = false;
     samples_.write(sample_);
     down_until_s_ = now_s() + kFailureHold_s;
@@ -298,7 +298,7 @@ std::string RemoteDevice::run_session(Wire& wire) {
 void RemoteDevice::exchange(Client& client, double now) {
   const Vec3 newest = forces_.read();
   const Vec3 force_n = newest * forces_.gain();
-  if (newest == Vec3{}) // commanded, not by the timeout: only then has the servo seen a failure
+  if (newest == Vec3{}) // commanded as zero, not by the timeout: the servo has seen the failure
     may_start_ = true;
   if (client.ready() && may_start_ && !client.in_control() && !(force_n == Vec3{})) {
     client.start(RenderMode::kForce);

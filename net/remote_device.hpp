@@ -33,7 +33,7 @@ public:
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   /// "HOST PORT", "device HOST" or "device HOST:PORT", "host HOST PORT", "token FILE", "rate HZ",
-  /// "udp 0" or "udp 1"; "udp 0|1" may also stand behind HOST PORT.
+  /// "udp 0" or "udp 1"; "udp 0|1" may also follow HOST PORT.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -52,7 +52,7 @@ private:
     int port = kPort;
     std::string token{};
     double rate_hz = 1000;
-    bool udp = false; ///< positions as datagrams
+    bool udp = false; ///< positions arrive as datagrams
   };
 
   [[nodiscard]] std::string configure_locked(std::span<const std::string> words);
@@ -69,12 +69,12 @@ private:
   std::thread thread_;
   std::atomic<bool> stop_{false}, cancelled_{false};
 
-  // The connection's thread
+  // Used by the connection's thread.
   unsigned name_ = std::random_device{}() % 100000; ///< distinguishes clients
   Sample sample_{};
   double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
   Vec3 sent_force_{};
-  bool may_start_ = false; ///< no force was written since the connection, or since a refusal
+  bool may_start_ = false; ///< zero force has been written since the connection or a refusal
   std::uint32_t refusals_ = 0, failures_ = 0;
   std::string notice_{}; ///< information to show while there is no failure
   /// Number of failures that the servo has read: a late servo must not miss one.

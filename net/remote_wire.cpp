@@ -32,8 +32,8 @@ Clock::time_point after(double seconds) {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-/// The look-up of a host's name cannot be interrupted: it runs in a thread that may outlive the
-/// caller.
+/// Looks up a host's name. A look-up cannot be interrupted, so it runs in a thread that may outlive
+/// the caller.
 std::string look_up(const std::string& host, int port, Clock::time_point until,
                     const std::atomic<bool>& stop, Endpoints& endpoints) {
   struct Lookup {
@@ -137,7 +137,7 @@ void Wire::exchange_datagrams(Client& client) {
     return;
   Error error;
   if (!datagrams.is_open()) {
-    // The socket is connected: the system discards datagrams from other addresses.
+    // Connects the socket, so that the system discards datagrams from other addresses.
     const udp::endpoint server(socket.remote_endpoint(error).address(),
                                static_cast<std::uint16_t>(port));
     datagrams.open(server.protocol(), error);

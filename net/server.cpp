@@ -72,7 +72,7 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   }
   session.flooding = false;
   if (outcome ==
-      Outcome::kRefused) // not a sign of life: the old force would continue despite the error
+      Outcome::kRefused) // not a sign of life, or the old force would continue despite the error
     return session.send_error("bad", session.reader.reason(), now_s);
   if (outcome == Outcome::kBad)
     return session.count_bad_packet("bad", session.reader.reason(), now_s);
@@ -93,7 +93,7 @@ bool Server::is_recent(const Session& session, double now_s) noexcept {
   return !session.echoed_s || now_s - *session.echoed_s < kMaxAge_s;
 }
 
-/// The force ends whether or not the session that had control still exists.
+/// Ends the force, whether or not the session that had control still exists.
 void Server::release_control(std::string_view why) {
   release_point();
   log_event(*controller_, "gave up control: " + std::string(why));
@@ -122,7 +122,7 @@ void Server::broadcast(const Message& message) {
       session->send_event(message);
 }
 
-/// Sent to every client: observers also see less force than was requested.
+/// Sent to every client, since observers too see less force than was requested.
 void Server::send_clipping(const Clipping& clipping) {
   clipping_ = clipping;
   broadcast(Message(Address::kStatus)

@@ -17,7 +17,7 @@ std::optional<RenderMode> mode_of(std::string_view word) noexcept {
   return {};
 }
 
-/// Three numbers from that argument on.
+/// Reads three numbers from that argument on.
 std::optional<Vec3> vector_at(const Message& message, std::size_t first) noexcept {
   const auto x = message.number_at(first), y = message.number_at(first + 1),
              z = message.number_at(first + 2);
@@ -29,8 +29,8 @@ constexpr std::string_view kSequenceText =
 
 enum class Order { kNewer, kOld, kJump };
 
-/// Compares by the difference in 32 bits, so the counter may overflow. It may restart at 0 or 1,
-/// and a value that Pd has rounded may repeat.
+/// Compares by the difference in 32 bits, so the counter may overflow. The counter may restart at 0
+/// or 1, and a value that Pd has rounded may repeat.
 Order order_of(const std::optional<std::int32_t>& last, const Message& message) noexcept {
   if (!last)
     return Order::kNewer;
@@ -224,7 +224,7 @@ Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
   if (!sequence || message.size() > 2 || (message.size() == 2 && !echo))
     return {"arguments", "expected ping sequence, or ping sequence ms", true};
   if (echo) {
-    const std::int32_t last_ms = session.last_count(); // a power of 2 minus 1, used as a mask
+    const std::int32_t last_ms = session.last_count(); // is a power of 2 minus 1, used as a mask
     const std::int32_t age_ms = (milliseconds(session, now_s) - *echo) & last_ms;
     if (*echo < 0 || *echo > last_ms || age_ms > last_ms / 2)
       return {"range", "the echoed time is in the future", true};
@@ -235,7 +235,7 @@ Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
   return {};
 }
 
-/// Time since the first call, ms, in this client's counting range: it restarts at 0.
+/// Time since the first call, ms, in this client's counting range, after which it restarts at 0.
 std::int32_t Server::milliseconds(const Session& session, double now_s) noexcept {
   if (!origin_s_)
     origin_s_ = now_s;

@@ -5,7 +5,7 @@
 namespace tactus::net {
 namespace {
 
-/// Exactly N numbers as arguments; empty otherwise.
+/// Reads exactly N numbers as arguments; nullopt otherwise.
 template <std::size_t N>
 bool numbers(const Message& message, std::array<double, N>& values) noexcept {
   if (message.size() != N)

@@ -27,7 +27,7 @@ void Server::send_streams(Session& session, double now_s) {
     session.send_sample(move_message());
 }
 
-/// A button is an event; the first one grabs the nearest control point within reach.
+/// Sends a button as an event. The first button grabs the nearest control point within reach.
 void Server::set_button(int number, bool on) {
   broadcast(Message(Address::kButton).integer(number).integer(on ? 1 : 0));
   if (number != 0)
@@ -51,7 +51,7 @@ void Server::set_button(int number, bool on) {
   broadcast(Message(Address::kGrab).integer(static_cast<std::int32_t>(*grabbed_)).integer(1));
 }
 
-/// The grabbed point follows the handle within the client's workspace.
+/// Moves the grabbed point with the handle within the client's workspace.
 void Server::drag() noexcept {
   if (!grabbed_)
     return;

@@ -40,7 +40,7 @@ void ServoLink::send(const ServoCommand& servo_command) noexcept {
   command.number = servo_command.forces;
   command.heartbeat_s = servo_command.alive_s;
   exchange_.commands.write(command);
-  // A fault of the device is cleared by the next start, as by switching the motors on.
+  // The next start clears a fault of the device, as switching the motors on does.
   if (servo_command.render.starts != starts_ && servo_command.running &&
       exchange_.reports.latest().fault != haptic::Fault::kNone &&
       !exchange_.motors.request().stopped)

@@ -9,14 +9,15 @@ namespace tactus::net {
 /// its limit, its watchdog and its motors. It never releases an emergency stop.
 class ServoLink {
 public:
-  /// The servo is attached to its device with the model among its local models. chain: what the
-  /// program sets for this device; force limit, watchdog and allowance are the server's.
+  /// The servo must be attached to its device, with the model among its local models. chain: the
+  /// program's settings for this device, except that the server sets force limit, watchdog and
+  /// allowance.
   ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::ChainSettings& chain,
             const haptic::AxisMap& map = {});
 
-  /// Once a millisecond, by the thread of the server.
+  /// The server's thread calls it once a millisecond.
   void exchange(Server& server, double now_s);
-  /// Sends only the commands, as soon as something has been received.
+  /// Sends only the commands; called as soon as something has been received.
   void send(const ServoCommand& servo_command) noexcept;
 
 private:

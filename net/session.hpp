@@ -51,7 +51,7 @@ class Subscription {
 public:
   explicit Subscription(double rate_hz = 0) noexcept : rate_hz_(rate_hz) {}
   void set(double rate_hz) noexcept { rate_hz_ = rate_hz; }
-  /// Whether a sample is due; times that were missed are skipped.
+  /// True if a sample is due; missed times are skipped.
   [[nodiscard]] bool due(double now_s) noexcept {
     constexpr double kRounding_s = 1e-6;
     if (!(rate_hz_ > 0) || now_s < next_s_ - kRounding_s)
@@ -74,8 +74,9 @@ struct Session : PeerConnection {
       : PeerConnection(std::move(peer_address), now_s), udp_port(datagram_port) {}
 
   Role role = Role::kNone;
-  int udp_port;                     ///< of the server, for the client's probes; 0: no datagrams
-  std::optional<double> echoed_s{}; ///< the latest time of the server that the client sent back
+  int udp_port;                     ///< the server's port for the client's probes; 0 without
+                                    ///< datagrams
+  std::optional<double> echoed_s{}; ///< the latest of the server's times that the client sent back
 
   Setup setup{};
   PointList list{};

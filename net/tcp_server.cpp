@@ -57,7 +57,7 @@ struct TcpServer::Parts {
   Hooks hooks;
   asio::io_context context{1};
   std::vector<tcp::acceptor> acceptors{};
-  std::vector<udp::socket> datagram_sockets{}; ///< none, or one beside each acceptor
+  std::vector<udp::socket> datagram_sockets{}; ///< none, or one for each acceptor
   std::array<std::uint8_t, kMaxDatagram + 1> datagram{};
   std::array<ConnectionPtr, kMaxConnections> connections{};
   asio::steady_timer timer{context};
@@ -82,7 +82,7 @@ struct TcpServer::Parts {
     return error;
   }
 
-  /// On the acceptor's port, or on any that is free when another program has that.
+  /// Uses the acceptor's port or, if another program has that port, any free one.
   std::string listen_for_datagrams(const tcp::endpoint& beside) {
     Error error;
     for (const std::uint16_t port : {beside.port(), std::uint16_t{0}}) {
@@ -110,7 +110,7 @@ struct TcpServer::Parts {
                : 0;
   }
 
-  /// A bounded number, so that a flood of them delays nothing else.
+  /// Receives a bounded number, so that a flood of datagrams delays nothing else.
   void receive_datagrams() {
     for (udp::socket& socket : datagram_sockets)
       for (int i = 0; i < kMaxDatagramsPerTick; ++i) {
@@ -128,7 +128,7 @@ struct TcpServer::Parts {
       }
   }
 
-  /// What the socket does not take is lost, as any datagram may be.
+  /// A datagram that the socket does not accept is lost, as any datagram may be.
   void send_datagrams(Connection& connection) {
     DatagramSender* const sender = service.datagrams(connection.client);
     while (const auto next = sender ? sender->take() : std::nullopt) {
@@ -147,7 +147,7 @@ struct TcpServer::Parts {
         take(std::move(socket), which);
         return accept(which);
       }
-      // For example too many open files: retry after a pause, without spinning.
+      // For example, too many files are open. Retries after a pause, without spinning.
       const auto pause = std::make_shared<asio::steady_timer>(context, kAcceptPause);
       pause->async_wait([this, which, pause](Error aborted) {
         if (!aborted && which < acceptors.size())
@@ -191,7 +191,7 @@ struct TcpServer::Parts {
         });
   }
 
-  /// As much as the socket takes now; the rest when it can take more.
+  /// Sends as much as the socket accepts now, and the rest when it accepts more.
   void send(const ConnectionPtr& connection) {
     if (connection->waiting_to_write)
       return;
@@ -227,7 +227,8 @@ struct TcpServer::Parts {
       }
   }
 
-  /// Closes a connection that the service ended, when its queue has been sent or after a second.
+  /// Closes a connection that the service has ended, once its queue has been sent or after a
+  /// second.
   void end_if_done(Connection& connection) {
     if (!connection.open || !service.closing(connection.client))
       return;
@@ -328,7 +329,7 @@ std::string TcpServer::open(const Settings& settings) {
     if (const Error failed = p.listen({asio::ip::address_v4::loopback(), port}))
       return refused("127.0.0.1", failed);
     port = p.acceptors.front().local_endpoint().port();
-    // On a machine without IPv6 there is no ::1; that is no error.
+    // A machine without IPv6 has no ::1, which is not an error.
     static_cast<void>(p.listen({asio::ip::address_v6::loopback(), port}));
   }
   if (settings.udp)

@@ -10,18 +10,18 @@
 namespace tactus::net {
 
 /// The sockets of a Service: TCP on 127.0.0.1 and ::1, or on one other address, which a token must
-/// guard; optionally UDP on the same addresses, which carries positions to clients. All of it runs
-/// in the thread that calls run() or poll(). The hook on_servo_command passes commands on to the
-/// servo's thread, which is not entered otherwise.
+/// guard. UDP on the same addresses is optional and carries positions to clients. Everything runs
+/// in the thread that calls run() or poll(). Only the hook on_servo_command passes data, the
+/// commands, on to the servo's thread.
 class TcpServer {
 public:
   struct Settings {
-    int port = kPort;     ///< 0: any free port
-    std::string listen{}; ///< a numeric address; empty: loopback alone
-    bool udp = false;     ///< clients may have positions as datagrams
+    int port = kPort;     ///< 0 for any free port
+    std::string listen{}; ///< a numeric address; if empty, only loopback
+    bool udp = false;     ///< clients may receive positions as datagrams
   };
   /// on_tick: called once a millisecond. on_servo_command: called after each piece of data from a
-  /// client, since it may have changed the command for the servo.
+  /// client, since the data may have changed the command for the servo.
   struct Hooks {
     std::function<void(double now_s)> on_tick;
     std::function<void()> on_servo_command;
@@ -35,20 +35,20 @@ public:
   /// Starts listening. Returns "" or one sentence with the problem and the remedy.
   [[nodiscard]] std::string open(const Settings& settings);
   [[nodiscard]] int port() const noexcept;
-  /// The first UDP port; 0 without UDP. The same as port(), unless another program uses that.
+  /// The first UDP port; 0 without UDP. It equals port(), unless another program uses that port.
   [[nodiscard]] int udp_port() const noexcept;
-  /// Such as "127.0.0.1:7770 and [::1]:7770".
+  /// The addresses as a text, such as "127.0.0.1:7770 and [::1]:7770".
   [[nodiscard]] std::string addresses() const;
 
-  /// Serves until stop(). Then it sends every client the reason, waits 200 ms at most for that, and
-  /// ends the force.
+  /// Serves until stop(). Then it sends every client the reason, waits at most 200 ms until that is
+  /// sent, and ends the force.
   void run();
   /// Ends run(); any thread and a signal handler may call it.
   void stop() noexcept;
   /// Instead of run(): does pending work without waiting.
   void poll();
-  /// After the last poll(): sends every client the reason, without waiting. Clients that do not
-  /// read, so that their sockets are full, do not get it.
+  /// After the last poll(): sends every client the reason, without waiting. A client whose socket
+  /// is full, because it does not read, does not receive the reason.
   void close();
 
 private:

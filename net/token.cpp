@@ -19,7 +19,8 @@ bool LockOut::locks(const Entry& entry, double now_s) noexcept {
   return entry.failures >= kMaxFailures && now_s - entry.last_s < kLocked_s;
 }
 
-/// True for an entry that counts no longer: its lock-out is over, or its failures are long ago.
+/// True for an entry that no longer counts, because its lock-out is over or its failures are long
+/// ago.
 bool LockOut::expired(const Entry& entry, double now_s) noexcept {
   return entry.failures == 0 || now_s - entry.last_s >= kExpiry_s ||
          (entry.failures >= kMaxFailures && now_s - entry.last_s >= kLocked_s);

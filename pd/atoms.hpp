@@ -6,7 +6,7 @@
 
 #include <m_pd.h>
 
-/// Between Pd's atoms and the core's.
+/// Converts between Pd's atoms and the core's.
 namespace tactus::pd {
 
 /// Words point to Pd's symbols, which live as long as Pd.

@@ -2,7 +2,8 @@
 #include "core/module_object.hpp"
 #include "pd/shell.hpp"
 
-// What every module does when Pd loads it: cmake/pd_setup.c.in calls it under the module's name.
+// The setup of every module when Pd loads it; the function in cmake/pd_setup.c.in with the module's
+// name calls it.
 namespace tactus::pd {
 namespace {
 

@@ -18,7 +18,7 @@ void* host_symbol(const char* name) noexcept {
   return host ? reinterpret_cast<void*>(GetProcAddress(host, name)) : nullptr;
 }
 
-// In UTF-8, like Pd's own paths.
+// Returns UTF-8, like Pd's own paths.
 std::string module_folder() {
   static const char here = 0;
   HMODULE module = nullptr;
@@ -26,7 +26,7 @@ std::string module_folder() {
                               GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
                           reinterpret_cast<LPCWSTR>(&here), &module))
     return {};
-  std::wstring wide(32768, L'\0'); // the longest path
+  std::wstring wide(32768, L'\0'); // longest path of Windows
   wide.resize(GetModuleFileNameW(module, wide.data(), static_cast<DWORD>(wide.size())));
   std::string path(4 * wide.size(), '\0');
   path.resize(static_cast<std::size_t>(

@@ -39,7 +39,7 @@ std::string encoded(const std::string& path) {
   return text;
 }
 
-/// A module is expected to bring a class of its name.
+/// Pd expects a module to define a class of the module's name.
 void* make_box() { return pd_new(library); }
 
 void set_up() {
@@ -51,7 +51,7 @@ void set_up() {
     return pd_error(nullptr, "tactus: the library's folder was not found: add it to Pd's path");
   t_atom path_and_save[2];
   SETSYMBOL(&path_and_save[0], gensym(encoded(folder).c_str()));
-  SETFLOAT(&path_and_save[1], 0); // for this session alone
+  SETFLOAT(&path_and_save[1], 0); // for this session only
   pd_typedmess(pd, gensym("add-to-path"), 2, path_and_save);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kClassName = "tactus offer";
 
-/// Each module registers its own class; they recognise each other's by its name.
+/// Each module registers its own class; modules recognise each other's classes by the name.
 t_class* published_class(std::size_t size) {
   static t_class* const made =
       class_new(gensym(kClassName), nullptr, nullptr, size, CLASS_PD, A_NULL);
@@ -24,7 +24,7 @@ t_symbol* symbol_of(std::string_view name) {
 
 /// The object to which the name's symbol is bound.
 struct PublishedObject::Entry {
-  t_pd pd; // first: this is what the symbol points to
+  t_pd pd; // must be first, because the symbol points to it
   t_symbol* symbol;
   std::shared_ptr<void> what;
 };

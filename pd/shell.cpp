@@ -21,8 +21,8 @@
 #include <utility>
 #include <vector>
 
-/// Calls the function with each folder in which the canvas looks for files, until it returns 0: of
-/// g_canvas.h, which not every Pd installs.
+/// Calls the function with each folder in which the canvas looks for files, until the function
+/// returns 0. Declared here because not every Pd installs g_canvas.h.
 extern "C" int canvas_path_iterate(const t_canvas* canvas, int (*function)(const char*, void*),
                                    void* data);
 
@@ -39,7 +39,7 @@ template <class Function> t_method method(Function* function) {
 /// The memory that Pd allocates. No constructor runs for it: all C++ members are in self.
 struct Instance {
   t_object object;
-  t_float main_inlet; // the left signal inlet's value while no signal is connected
+  t_float main_inlet; // value of the left signal inlet while no signal is connected
   PdObject* self;
 };
 
@@ -121,8 +121,8 @@ public:
     instance->self->enter(selector->s_name, &PdObject::receive, selector, count, atoms);
   }
   static void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
-  /// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN
-  /// ...`.
+  /// Handles the control inlets right of the first: a number arrives as `_inletN value`, a list as
+  /// `_listN ...`.
   template <std::size_t N> static void on_inlet(Instance* instance, t_floatarg value) {
     instance->self->enter("float", &PdObject::scalar, N, static_cast<double>(value));
   }
@@ -206,8 +206,8 @@ public:
 
 private:
   static constexpr double kPollMilliseconds = 5;
-  /// Maximum number of errors printed about one message; after that their number is printed every
-  /// half second.
+  /// Maximum number of errors printed about one message. Above it, only the number of further
+  /// errors is printed, every half second.
   static constexpr int kMaxErrors = 100;
   static constexpr double kFloodMilliseconds = 500;
   static constexpr std::string_view kLibrary = "tactus"; // name of its folder within Pd's path
@@ -236,7 +236,8 @@ private:
       print_error(error_kind_ + ": " + std::to_string(held_errors_) + " more errors");
     held_errors_ = 0;
   }
-  /// Half a second after the first error: while the flood continues, only the number is printed.
+  /// Called half a second after the first error. While errors continue, it prints only their
+  /// number.
   void end_half_second() {
     errors_ = held_errors_ > 0 ? kMaxErrors : 0;
     if (held_errors_ > 0)
@@ -253,7 +254,8 @@ private:
     if (name == "float" || name == "list") {
       if (count == 0) // Pd's empty list is a bang
         return run({"bang", {}});
-      const bool number = count == 1 && atoms[0].a_type == A_FLOAT; // [t l] sends it as a list
+      const bool number = count == 1 && atoms[0].a_type == A_FLOAT; // [t l] sends a number as a
+                                                                    // list
       const bool takes_numbers = signal_inlets_ > 0 || record_.traits().takes_numbers;
       if (takes_numbers && (number || !find_message(declaration_, name)))
         return numbers_to_inlets(to_atoms(count, atoms));
@@ -354,7 +356,7 @@ private:
     }
   }
 
-  /// A number for each inlet from the left, the right ones first.
+  /// Distributes numbers to the inlets from the left, and sets the rightmost inlet first.
   void numbers_to_inlets(std::span<const Atom> numbers) {
     if (const std::string refusal = list_refusal(declaration_, numbers); !refusal.empty())
       return error(refusal);
@@ -408,12 +410,12 @@ private:
   }
 
   /// Full path of a file beside the patch or in Pd's path, or of an absolute name; empty if there
-  /// is none. Not by canvas_open, which opens a FIFO, and waits for ever.
+  /// is none. It does not use canvas_open, which opens a FIFO and waits for ever.
   [[nodiscard]] std::string open_in_path(const std::string& name) const {
     struct Search {
       const std::string& name;
       std::string found;
-      /// As a callback of Pd: whether to continue.
+      /// Callback of Pd; returns whether to continue.
       int look(std::string path) {
         std::error_code failed;
         if (std::filesystem::is_regular_file(std::u8string(path.begin(), path.end()), failed))
@@ -469,9 +471,9 @@ private:
   void tick(std::size_t timer) { voices_[0]->tick(timer, *this); }
   void report() { voices_[0]->report(*this); }
 
-  /// Logical time of the first sample of the block at hand. While Pd computes signals its logical
-  /// time is the end of the tick, and so the end of a block of a tick or more; several shorter
-  /// blocks of a re-blocked or upsampled window follow each other within one tick.
+  /// Logical time of the first sample of the current block. While Pd computes signals, its logical
+  /// time is the end of the tick, which is also the end of a block of a tick or more. In a
+  /// re-blocked or upsampled window, several shorter blocks follow each other within one tick.
   double block_start_ms() noexcept {
     const double now = now_ms();
     if (now != performed_ms_) {
@@ -510,28 +512,28 @@ private:
   PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
-  t_pdinstance* pd_ = current_instance(); // worker threads have no instance of their own
+  t_pdinstance* pd_ = current_instance(); // kept here because worker threads have no instance
   InstanceNumbers::Hold hold_{record_.numbers, pd_};
-  t_symbol* list_ = gensym("list"); // not s_list: of each instance its own
+  t_symbol* list_ = gensym("list"); // not s_list, because each instance has its own
   double creation_time_;
-  double block_ms_ = 0, tick_ms_ = 0; // lengths
+  double block_ms_ = 0, tick_ms_ = 0; // lengths of a block and a tick
   double performed_ms_ = -1, next_block_ms_ = 0;
   std::size_t signal_inlets_, signal_outlets_;
   std::vector<std::unique_ptr<AnyObject<t_sample>>> voices_;
-  std::vector<t_inlet*> inlets_; // of signals right of the first
+  std::vector<t_inlet*> inlets_; // inlets of the signals right of the first
   std::vector<t_outlet*> outlets_;
   t_outlet* info_ = nullptr;
   std::vector<Timer> timers_;
   t_clock* flood_clock_ = nullptr;
   std::string error_kind_{}; ///< the message that the last error was about
   int errors_ = 0;           ///< errors of this kind in this half second
-  int held_errors_ = 0;      ///< of these not printed
+  int held_errors_ = 0;      ///< number of these errors not printed
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;
   std::atomic<bool> posted_{false};
   PublishedObjects published_;
   std::vector<const t_sample*> in_;
-  std::vector<t_sample> silence_; // of an inlet whose signal has no channels
+  std::vector<t_sample> silence_; // for an inlet whose signal has no channels
   std::vector<t_sample*> out_;
   bool prepared_ = false;
 };

@@ -5,7 +5,7 @@
 
 #include <m_pd.h>
 
-/// The typed shell over Pd: makes a Pd class out of an object's declaration. See pd/README.md.
+/// The typed shell over Pd. It makes a Pd class from an object's declaration. See pd/README.md.
 namespace tactus::pd {
 
 /// One Pd class; lives as long as the module.

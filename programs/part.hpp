@@ -8,7 +8,7 @@ namespace tactus::programs {
 struct Part {
   std::size_t part = 1, parts = 1;
 };
-/// Nothing unless 1 <= I <= N.
+/// Returns nullopt unless 1 <= I <= N.
 [[nodiscard]] inline std::optional<Part> to_part(std::string_view text) noexcept {
   const std::size_t slash = text.find('/');
   if (slash == std::string_view::npos)

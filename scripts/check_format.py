@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that every C and C++ file is formatted as clang-format 14 formats it with .clang-format. Status 1 when
-one is not, 77 when clang-format-14 is missing.
+"""Checks that every C and C++ file is formatted as by clang-format 14 with .clang-format. Status 1 if a file is not, 77
+if clang-format-14 is missing.
 
     check_format.py           the whole checkout
     check_format.py FILE...   these files

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Does each Python FILE parse? Names the line that does not; status 1. Without a FILE, all of the
-checkout."""
+"""Checks that each Python FILE parses; without a FILE, all files of the checkout. Names the line that does not parse;
+status 1."""
 import ast
 import pathlib
 import sys

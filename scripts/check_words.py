@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Lists file:line of every word that scripts/words_to_avoid.txt asks not to use; status 1 when there is
-one.
+"""Lists file:line of every word that scripts/words_to_avoid.txt asks to avoid; status 1 if there is one.
 
     check_words.py           the whole checkout
     check_words.py FILE...   these files
@@ -16,10 +15,10 @@ import tokenize
 from source_files import C_FAMILY, ROOT, source_files
 
 RULES = pathlib.Path(__file__).with_name("words_to_avoid.txt")
-# Not current prose: the released changes, the list itself and its test.
+# Files that are not current prose: the released changes, the list itself and its test.
 EXEMPT = {"CHANGELOG.md", "scripts/words_to_avoid.txt", "tests/style/test_check_words.py"}
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-# Parts of C++ that are not code: comments, strings and characters (a quote inside a number separates digits).
+# Parts of C++ that are not code: comments, strings and characters. A quote inside a number only separates digits.
 C_PARTS = re.compile(
     r"""(?P<comment>//(?:\\\n|[^\n])*|/\*.*?\*/)
       | (?P<string>R"(?P<end>[^(\s]*)\(.*?\)(?P=end)"
@@ -31,7 +30,7 @@ CMAKE_PARTS = re.compile(
 
 @dataclasses.dataclass(frozen=True)
 class Rule:
-    """where: name, word or text; but: patterns of file names that it leaves alone."""
+    """where: name, word or text; but: patterns of file names to which the rule does not apply."""
     where: str
     pattern: re.Pattern
     instead: str
@@ -51,14 +50,13 @@ def read_rules(text):
 
 
 def blank(text):
-    """The same number of lines, all blank."""
+    """The same number of lines as the text, all blank."""
     return re.sub(r"[^\n]", " ", text)
 
 
 def split_by(parts, text):
-    """(code, prose) of a text; an expression finds its comments and strings. Both have the text's length, so
-    that
-    lines keep their numbers."""
+    """(code, prose) of a text, whose comments and strings the expression `parts` finds. Both have the text's length, so
+    that lines keep their numbers."""
     code, prose, end = [], [], 0
     for match in parts.finditer(text):
         before, found = text[end:match.start()], match.group()
@@ -77,7 +75,7 @@ def python_tokens(text):
 
 
 def split_python(text):
-    """The same for Python; a string that is a statement is documentation."""
+    """As split_by(), for Python. A string that is a statement is documentation."""
     lines = text.splitlines(keepends=True)
     code, prose = [list(line) for line in lines], [list(blank(line)) for line in lines]
 
@@ -92,9 +90,10 @@ def split_python(text):
                     if says:
                         prose[row - 1][column] = line[column]
 
-    # From Python 3.12 on a formatted string is several tokens: its text is no code, what stands in its braces is.
+    # From Python 3.12 on, a formatted string consists of several tokens. Its text is not code, but the expressions in
+    # its braces are.
     text_of_formatted = getattr(tokenize, "FSTRING_MIDDLE", None)
-    begins = True  # a statement
+    begins = True  # a new statement begins
     for token in python_tokens(text):
         if token.type == tokenize.COMMENT:
             clear(token.start, token.end, True)
@@ -111,7 +110,7 @@ def split_python(text):
 
 
 def split(name, text):
-    """(code, prose) of a file by its name, None where it is neither code nor a document."""
+    """(code, prose) of a file, by its name; None if the file is neither code nor a document."""
     path = pathlib.PurePosixPath(name)
     suffix = path.with_suffix("").suffix if path.suffix == ".in" else path.suffix
     if suffix in C_FAMILY:
@@ -143,7 +142,7 @@ def hits(name, text, rules):
     look_at_words(0, ("name", "word"), IDENTIFIER.findall(pathlib.PurePosixPath(name).stem))
     for number, (code, prose) in enumerate(zip(*(part.split("\n") for part in parts)), 1):
         look_at_words(number, ("name", "word"), IDENTIFIER.findall(code))
-        # Words in sentences are plain English: only words marked as code are checked.
+        # Words in sentences are plain English, so only words marked as code are checked.
         look_at_words(number, ("word",), [word for word in IDENTIFIER.findall(prose)
                                           if "_" in word or re.search(r"[a-z][A-Z]", word)])
         for rule in rules:

@@ -14,7 +14,7 @@ SOURCE = re.compile(r'^#include "(/[^"]+\.cpp)"$', re.MULTILINE)
 
 
 def each_source(entries):
-    """The entries with those of combined files replaced by one for each file that they include."""
+    """The entries, with each combined file replaced by one entry per file that it includes."""
     for entry in entries:
         path = pathlib.Path(entry["file"])
         sources = SOURCE.findall(path.read_text(encoding="utf-8")) if path.is_file() else []
@@ -26,7 +26,7 @@ def each_source(entries):
 
 
 def write_commands(build):
-    """Writes the list when it has changed; returns its path."""
+    """Writes the list if it has changed; returns its path."""
     entries = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     written = build / "sources/compile_commands.json"
     text = json.dumps(list(each_source(entries)), indent=1)

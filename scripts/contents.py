@@ -12,7 +12,7 @@ SECTIONS = (
     ("Touched", ("audiohaptics", "spring", "strike", "design")),
     ("Studied", ("reed-study",)),
 )
-# At the top of the page: (scene, sound, description).
+# Sounds at the top of the page: (scene, sound, description).
 HIGHLIGHTS = (
     ("fanfare", "fanfare", "Four players of lip reeds: two trumpets and two trombones"),
     ("walking", "tour", "One walker in one take: gravel, wood, concrete; turns, runs, jumps, sneaks, climbs"),
@@ -23,7 +23,7 @@ HIGHLIGHTS = (
     ("particles", "piece", "Maraca, cabasa, tambourine and coins over rain and bubbles"),
     ("audiohaptics", "taps_chair", "A hand taps a disk, feels it push back, and hears it"),
 )
-# The order of the work: first the scenes at the top of the page that need little to be built; the longest
+# The order of the work. The scenes at the top of the page that need few build targets come first. Long scenes come
 # before short ones of their kind, so that no processor is idle at the end.
 WORK = ("fanfare", "walking", "particles", "bodies", "reed", "rubbing", "audiohaptics", "footsteps", "design",
         "walk-on-plate", "map", "greed", "finger", "board", "spring", "strike", "disk", "disk-hollow", "reed-study")
@@ -45,7 +45,7 @@ def work_order(wanted):
 
 
 def declared(name, word):
-    """The value of a line WORD = "..." of a scene, "" where it has none."""
+    """The value of a line WORD = "..." of a scene, "" if there is none."""
     found = re.search(rf'^{word} = "(.*)"$', file(name).read_text(), re.MULTILINE)
     return found.group(1) if found else ""
 

@@ -1,16 +1,15 @@
-"""Computers on one machine: network namespaces, joined by lines with a delay, jitter and loss.
+"""Computers on one machine: network namespaces, connected with a delay, jitter and loss.
 
     with EmulatedNetwork(["device", "sound"], delay_ms=10, loss=0.05) as network:
         network.start("device", ["haptic_server", "--listen", network.address("device"), ...])
 
-Each computer is a network namespace with one interface, a TUN device whose packets a process of this
-module carries to the others. Every packet waits delay_ms one way, plus an exponential jitter of mean
-jitter_ms (so that packets overtake each other), and is lost with the probability `loss`. While the
-connection is `held` no packet passes, and all waiting packets pass at once when that ends. While it is
-`cut` packets are dropped without notice (half-open connections). set_line changes these settings at any
-time; set_link takes a computer's interface down, of which its kernel is notified. Retransmission and
-congestion control are those of the real kernels; netem is not needed.
-Needs root (or CAP_NET_ADMIN and CAP_SYS_ADMIN) and /dev/net/tun.
+Each computer is a network namespace with one interface, a TUN device whose packets a process of this module carries to
+the others. Every packet waits delay_ms one way, plus an exponential jitter of mean jitter_ms (so that packets overtake
+each other), and is lost with the probability `loss`. While the connection is `held`, no packet passes; when that ends,
+all waiting packets pass at once. While it is `cut`, packets are dropped without notice (half-open connections).
+set_line changes these settings at any time. set_link takes a computer's interface down and notifies the kernel.
+Retransmission and congestion control are those of the real kernels; netem is not needed. Needs root (or CAP_NET_ADMIN
+and CAP_SYS_ADMIN) and /dev/net/tun.
 """
 import argparse
 import ctypes
@@ -41,7 +40,7 @@ class NoNamespaces(RuntimeError):
 
 
 def ip(*words):
-    """The command `ip`; raises NoNamespaces with its complaint."""
+    """The command `ip`; raises NoNamespaces with the command's error text."""
     try:
         subprocess.run(["ip", *words], capture_output=True, text=True, check=True)
     except FileNotFoundError as missing:
@@ -52,12 +51,11 @@ def ip(*words):
 
 
 class EmulatedNetwork:
-    """Open from its construction on. Namespaces are named after this process, so that several can
-    run at once; raises NoNamespaces."""
+    """The network is open from construction on. Namespaces are named after this process, so that several can run at
+    once; raises NoNamespaces."""
 
     def __init__(self, computers, seed=1, nice=0, **line):
-        """line: see set_line. nice: of every process of this network; a measurement beside other work
-        takes -10."""
+        """line: see set_line. nice: niceness of every process of this network; use -10 to measure beside other work."""
         self.computers = list(computers)
         self.nice = ["nice", "-n", str(nice)] if nice else []
         self.router, self.processes, self.opened = None, [], []
@@ -94,9 +92,8 @@ class EmulatedNetwork:
             ip("-n", name, "link", "set", "line", "mtu", str(MTU), "up")
 
     def set_line(self, **line):
-        """delay_ms, jitter_ms: for packets sent from now on; loss: fraction that is dropped; held, cut: also
-        for
-        waiting packets. Settings that are not given keep their values. In force when this returns."""
+        """delay_ms, jitter_ms: for packets sent from now on; loss: fraction that is dropped; held, cut: also for
+        waiting packets. Settings that are not given keep their values. The settings are in effect when this returns."""
         if unknown := set(line) - set(LINE):
             raise TypeError(f"unknown setting {', '.join(sorted(unknown))}: expected {', '.join(LINE)}")
         if self.router:
@@ -113,7 +110,7 @@ class EmulatedNetwork:
         return [*self.nice, "ip", "netns", "exec", self.namespace(computer)]
 
     def start(self, computer, command, **options):
-        """subprocess.Popen on that computer; ended with the network."""
+        """subprocess.Popen on that computer; the process ends with the network."""
         process = subprocess.Popen([*self.inside(computer), *map(str, command)], **options)
         self.processes.append(process)
         return process
@@ -155,15 +152,15 @@ def inside_namespace(namespace, make):
 
 
 def open_tun():
-    """The end of the interface `line`, from which packets are read."""
+    """Opens the end of the interface `line` from which packets are read."""
     tun = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
     fcntl.ioctl(tun, TUNSETIFF, struct.pack("16sH", b"line", IFF_TUN | IFF_NO_PI))
     return tun
 
 
 def route(tuns, seed, orders):
-    """Carries packets until SIGTERM. The last byte of an IPv4 destination chooses the line. Each line of
-    orders, a descriptor, is JSON that changes LINE, and is answered on the standard output."""
+    """Carries packets until SIGTERM. The last byte of an IPv4 destination selects the interface. Each text line of the
+    descriptor `orders` is JSON that changes LINE and is answered on the standard output."""
     chance, line = random.Random(seed), dict(LINE)
     waiting, number = [], 0
     queued = [0] * len(tuns)
@@ -211,7 +208,7 @@ def main():
     parser.add_argument("namespaces", nargs="+")
     words = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's; whoever started this ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ignores the terminal's interrupt, since the parent ends this process
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)  # ends with its parent
     try:
         tuns = [inside_namespace(namespace, open_tun) for namespace in words.namespaces]

@@ -3,12 +3,11 @@
 
     scripts/four_computers.py [--delay 5] [--loss 0] [--seconds 8] [--out out/four_computers]
 
-Each computer is a network namespace with its own Pd, which opens its patch of
-patches/audiohaptics/four_computers; ioa_net connects them by their addresses, with a token, over
-connections with that delay, ms each way, and loss. A simulated hand taps the disk. Prints the messages
-that each computer received, and the latency from a hit to the sound and to the screen; writes each one's
-messages (NAME.txt), Pd's output (NAME.log) and the sound (sound.wav). Needs root, for namespaces. The
-setup of four real computers: docs/four_computers.md.
+Each computer is a network namespace with its own Pd, which opens its patch of patches/audiohaptics/four_computers;
+ioa_net connects them by their addresses, with a token, over connections with the given delay, in ms each way, and loss.
+A simulated hand taps the disk. Prints the messages that each computer received, and the latency from a hit to the sound
+and to the screen; writes each one's messages (NAME.txt), Pd's output (NAME.log) and the sound (sound.wav). Needs root,
+for namespaces. The setup of four real computers: docs/four_computers.md.
 """
 import argparse
 import collections
@@ -26,7 +25,7 @@ from live_session import STAGE, LivePatch, Session  # noqa: E402
 
 PATCHES = ROOT / "patches" / "audiohaptics" / "four_computers"
 COMPUTERS = ("device", "interaction", "sound", "screen")
-PORTS = {"device": 7771, "sound": 7772, "screen": 7773}  # of the interaction's computer
+PORTS = {"device": 7771, "sound": 7772, "screen": 7773}  # ports of the interaction's computer
 TOPICS = {"device": ("hand", "force"), "interaction": ("hand", "hit", "release", "force"),
           "sound": ("hit", "excite", "hand"), "screen": ("hit", "mark", "hand", "contact", "release")}
 EVENTS = {"interaction": ("hit",), "sound": ("excite",), "screen": ("mark",), "device": ()}
@@ -46,7 +45,7 @@ def companion(computer):
 
 
 def opened(computer, folder):
-    """The patch, with another table of modes where that of the disk has not been computed."""
+    """The patch, with another modal table if that of the disk has not been computed."""
     patch = PATCHES / f"four_{computer}.pd"
     if computer != "sound" or (STAGE / "disk.modal.npz").is_file():
         return patch
@@ -57,12 +56,12 @@ def opened(computer, folder):
 
 
 def rows_of(path):
-    """The recorded messages of a bus: lists of words."""
+    """The recorded messages of a bus, as lists of words."""
     return [line.rstrip(";").split() for line in path.read_text().splitlines()]
 
 
 def latency_ms(session, computer, event):
-    """From each hit at the interaction to the next event there; nan when none came before the next."""
+    """Time from each hit at the interaction to the next event at that computer; nan if the next hit came first."""
     hits, effects = session.of("interaction", "hit"), session.of(computer, event)
     found = []
     for hit, following in zip(hits, [*hits[1:], float("inf")]):

@@ -1,12 +1,11 @@
-"""What a player does with breath and lips for a score: pressure and reed frequency over time.
+"""A player's gesture for a score: pressure and reed frequency over time.
 
-A reed's loudness follows the mouth pressure. If the lip tension followed the square root of the pressure,
-the ratio gamma = p_m/P_M to the closing pressure, and with it the playing regime, would be the same
-from piano to forte, since P_M = k x_0/(w lambda_m) grows as f_r^2; a constant lip keeps the
-intonation. The player does half of each: f_r follows the fourth root of the pressure. So one number at
-each time, the target level in dB, determines both. Added to this: the tongue's attack, a small dip where
-fingers change under a slur, a swell in long notes, an arch over the phrase, late vibrato, breath taken in
-rests, and random human variation from a seed.
+A reed's loudness follows the mouth pressure. If the lip tension followed the square root of the pressure, the ratio
+gamma = p_m/P_M to the closing pressure, and with it the playing regime, would be the same from piano to forte, since
+P_M = k x_0/(w lambda_m) grows as f_r^2; a constant lip keeps the intonation. The player takes a middle course: f_r
+follows the fourth root of the pressure. So one number at each time, the target level in dB, determines both pressure
+and f_r. Added to this: the tongue's attack, a small dip where fingers change under a slur, a swell in long notes, an
+arch over the phrase, late vibrato, breath taken in rests, and random human variation from a seed.
 """
 import dataclasses
 
@@ -18,19 +17,19 @@ RATE = 1000  # rows a second
 
 @dataclasses.dataclass
 class Technique:
-    """What one player of one instrument has learnt. Pressures Pa, frequencies Hz, times s."""
-    pressure: float             # mezzo forte
-    reed_frequency: float       # the lip that goes with it
-    level_db: dict = dataclasses.field(default_factory=dict)   # by pitch: extra level, for evenness
-    lip: dict = dataclasses.field(default_factory=dict)        # a pitch: its own reed frequency
+    """The skills of one player on one instrument; pressures in Pa, frequencies in Hz, times in s."""
+    pressure: float             # pressure at mezzo forte
+    reed_frequency: float       # the lip's f_r at that pressure
+    level_db: dict = dataclasses.field(default_factory=dict)   # extra level of each pitch, for evenness
+    lip: dict = dataclasses.field(default_factory=dict)        # reed frequency of single pitches
     dynamic_range: float = 1.0  # dB of breath for each dB of the velocities
-    firmness: float = 0.25      # the lip's f_r goes with this power of the effort
-    early: float = 0.025        # how long before the beat it starts from silence, else half of it
-    speaks: dict = dataclasses.field(default_factory=dict)  # by pitch: start before the beat from silence
+    firmness: float = 0.25      # the lip's f_r is proportional to this power of the effort
+    early: float = 0.025        # time before the beat at which a note starts from silence; half of it for other notes
+    speaks: dict = dataclasses.field(default_factory=dict)  # the same for single pitches
     attack: float = 0.008       # time the pressure takes to rise
-    accent: float = 0.10        # overshoot
+    accent: float = 0.10        # overshoot of the attack
     accent_time: float = 0.05   # decay time of the overshoot
-    release: float = 0.16       # time it takes to fall at the end of a phrase
+    release: float = 0.16       # time in which the pressure falls at the end of a phrase
     tongue: float = 0.050       # time the tongue is on the reed between two notes
     # Fraction of the pressure that passes the tongue. With less, the remaining sound of the higher modes
     # starts the next note there: a squeak.
@@ -43,12 +42,12 @@ class Technique:
     swell_db: float = 0.8
     arch_db: float = 1.2
     timing: float = 0.006       # standard deviation of onsets
-    unsteadiness: float = 0.006 # relative, of the breath; the lip is three times steadier
+    unsteadiness: float = 0.006 # relative unsteadiness of the breath; the lip is three times steadier
 
 
 @dataclasses.dataclass
 class Gesture:
-    """pressure and reed at RATE; events (s, pitch); notes with the onsets as played."""
+    """Pressure and reed frequency at RATE, events (s, pitch), and notes with their onsets as played."""
     pressure: numpy.ndarray
     reed: numpy.ndarray
     events: list
@@ -125,14 +124,14 @@ def play(score, technique, seed=1, lead=0.6, tail=1.0):
 
 
 def glide(values, seconds):
-    """A raised-cosine average of that length, without delay."""
+    """A raised-cosine average over that time, without delay."""
     window = numpy.hanning(max(int(seconds * RATE), 1) + 2)[1:-1]
     padded = numpy.pad(values, len(window), "edge")
     return numpy.convolve(padded, window / window.sum(), "same")[len(window):-len(window)]
 
 
 def wanted_level(notes, technique, t):
-    """dB relative to mezzo forte, before attacks and releases."""
+    """The level in dB relative to mezzo forte, without attacks and releases."""
     begins = [n.onset for n in notes]
     level = numpy.interp(t, begins, [technique.dynamic_range * 20 * numpy.log10(n.velocity / 64)
                                      for n in notes])
@@ -178,7 +177,7 @@ def breath(notes, technique, t):
 
 
 def vibrato(notes, technique, t, random):
-    """-1..1: grows in long notes after a while, its rate and depth a little uneven."""
+    """The vibrato, -1..1. It grows in long notes after a while, with slightly uneven rate and depth."""
     depth = numpy.zeros(len(t))
     for note in notes:
         if note.duration < 2 * technique.vibrato_after:
@@ -191,7 +190,7 @@ def vibrato(notes, technique, t, random):
 
 
 def fitting_sigma(gesture, sigma):
-    """sigma, its upper ends raised to the next 500 where the gesture would leave its box."""
+    """sigma, with its upper ends raised to the next multiple of 500 if the gesture would leave its box."""
     low, high, slow, fast = sigma
     up = [500 * int(numpy.ceil(1.02 * values.max() / 500))
           for values in (gesture.pressure, gesture.reed)]
@@ -199,9 +198,8 @@ def fitting_sigma(gesture, sigma):
 
 
 def positions(gesture, sigma):
-    """y and z in 0..1 by the inverse of the patch's map: p_m = p_lo + y (p_hi - p_lo),
-    f_r = f_lo (f_hi/f_lo)^z. sigma is (p_lo, p_hi, f_lo, f_hi). ValueError when the hand would
-    have to leave its workspace."""
+    """y and z in 0..1 by the inverse of the patch's map: p_m = p_lo + y (p_hi - p_lo), f_r = f_lo (f_hi/f_lo)^z. sigma
+    is (p_lo, p_hi, f_lo, f_hi). Raises ValueError if the hand would have to leave its workspace."""
     low, high, slow, fast = sigma
     y = (gesture.pressure - low) / (high - low)
     z = numpy.log(gesture.reed / slow) / numpy.log(fast / slow)

@@ -2,8 +2,8 @@
 """Hashes every render of tactus, to show that a change of the code changes none.
 
     hash_renders.py FILE.tsv [--stage build/tactus] [--scenes out] [--seconds 4]   writes the hashes
-                    [--keep FOLDER]                                            and keeps the patches' sounds
-    hash_renders.py --compare BEFORE.tsv AFTER.tsv [--varying BEFORE_AGAIN.tsv]    lists what differs
+                    [--keep FOLDER]                                            and keeps the patches' sounds in FOLDER
+    hash_renders.py --compare BEFORE.tsv AFTER.tsv [--varying BEFORE_AGAIN.tsv]    lists the differences
 
 Each line of the table is KIND, NAME and the SHA-256 of the bytes:
     patch   the sound of every help patch and of every patch under patches/, headless, after its play

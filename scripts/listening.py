@@ -21,8 +21,8 @@ def pitch_near(samples, rate, expected_hz, cents=150):
 
 
 def harmonic_pitch(samples, rate, expected_hz, harmonics=6, cents=150):
-    """The fundamental from several partials, each weighed by its amplitude times its number: right
-    also where the fundamental itself is weak."""
+    """The fundamental from several partials, each weighted with its amplitude times its number. It is right even if the
+    fundamental itself is weak."""
     x = numpy.asarray(samples, float)
     window = numpy.hanning(len(x))
     found, weights = [], []
@@ -43,7 +43,7 @@ def harmonic_pitch(samples, rate, expected_hz, harmonics=6, cents=150):
 
 
 def fundamental_db(samples, rate, hz, harmonics=8):
-    """Level of the fundamental against the strongest of its harmonics, dB."""
+    """Level of the fundamental relative to the strongest harmonic, dB."""
     x = numpy.asarray(samples, float)
     spectrum = numpy.abs(scipy.fft.rfft(x * numpy.hanning(len(x))))
     levels = []
@@ -74,7 +74,7 @@ def steady(note, skip=0.10):
 
 
 def track(samples, rate, notes, frequency, step=0.01, window=0.06):
-    """Times and cents off the score, along the notes: phase advance of the fundamental."""
+    """Times and deviations from the score in cents, along the notes, from the phase advance of the fundamental."""
     times, values = [], []
     for note in notes:
         f = frequency(note.pitch)
@@ -90,10 +90,9 @@ def track(samples, rate, notes, frequency, step=0.01, window=0.06):
 
 
 def clicks(samples, rate):
-    """Times of sounds above 15 kHz shorter than 5 ms that stick out by 6 dB from all that surrounds
-    them within 60 ms on both sides, and are louder than -66 dB of full scale. The edges of a
-    beating reed are as bright, once a period, and hide whatever is smaller; an attack is followed
-    by such edges and does not count."""
+    """Times of sounds above 15 kHz that are shorter than 5 ms, exceed everything within 60 ms on both sides by 6 dB,
+    and are louder than -66 dB of full scale. The edges of a beating reed are as bright, once per period, and hide
+    smaller clicks. An attack is followed by such edges and does not count."""
     sections = scipy.signal.butter(4, 15000, "high", fs=rate, output="sos")
     high = scipy.signal.sosfiltfilt(sections, numpy.asarray(samples, float))
     frame = int(0.005 * rate)
@@ -107,8 +106,8 @@ def clicks(samples, rate):
 
 
 def measure_notes(samples, rate, notes, frequency):
-    """One dictionary a note: hz, cents, level_db, speaks_ms (from the onset until half the note's
-    level is there; None for slurred notes), fundamental_db, sustained (0.3 s or more)."""
+    """One dictionary per note: hz, cents, level_db, speaks_ms (from the onset until half the note's level is reached;
+    None for slurred notes), fundamental_db, sustained (0.3 s or more)."""
     loud = envelope(samples, rate)
     rows = []
     for note in notes:

@@ -21,7 +21,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 STAGE = pathlib.Path(os.environ.get("TACTUS_STAGE", ROOT / "build" / "tactus")).resolve()
 SO_TIMESTAMPNS = 35
-FIRST_PORT = 7801  # of the session's own messages, on each computer's 127.0.0.1
+FIRST_PORT = 7801  # ports of the session's own messages, on each computer's 127.0.0.1
 
 
 class LivePatch:
@@ -55,7 +55,7 @@ class LivePatch:
         return source
 
     def tell(self, source, outlet, word):
-        """Any output of that outlet is reported as the event `word`."""
+        """Reports any output of that outlet as the event `word`."""
         bang, message = self.obj("t b"), self.msg(word)
         self.cord(source, outlet, bang)
         self.cord(bang, 0, message)
@@ -77,7 +77,7 @@ class LivePatch:
         self.cord(words, 0, send)
 
     def net(self, receiver, words):
-        """An ioa_net that is controlled through that receiver and reports when it is connected."""
+        """Adds an ioa_net that is controlled through that receiver and reports when it is connected."""
         join = self.obj(f"ioa_net {words}")
         self.cord(self.obj(f"r {receiver}"), 0, join)
         self.tell(self.chain(join, "route connected", "sel 1"), 0, f"{receiver}-connected")
@@ -95,8 +95,8 @@ class LivePatch:
 
 
 class Session:
-    """Pds by name (by default their computer's), and the time of each event, s of
-    CLOCK_MONOTONIC, taken by the kernel when Pd sends it."""
+    """Pds by name (by default their computer's), and the time of each event in s of CLOCK_MONOTONIC. The kernel takes
+    this time when Pd sends the event."""
 
     def __init__(self, network, folder):
         self.network, self.folder = network, pathlib.Path(folder)
@@ -146,7 +146,7 @@ class Session:
                 self.events.append((at_s, name, line.strip()))
 
     def said(self, name):
-        """All that Pd has printed."""
+        """Everything that this Pd has printed."""
         return (self.folder / f"{name}.log").read_text()
 
     def of(self, name, word):

@@ -4,7 +4,7 @@
     make_pages.py [--out FOLDER] [--photograph] [--browse]
 
 --out         where to, build/pages; open FOLDER/index.html
---photograph  pictures of the help patches and tutorials, too (needs a built library and what scripts/photograph needs)
+--photograph  also makes pictures of the help patches and tutorials (needs a built library and what scripts/photograph needs)
 --browse      then loads every page in headless Chromium and reports broken pictures, sounds and anchors
 
 Exits with 1 and one line for each broken link. Needs Debian's cmark-gfm. Links to files of the checkout
@@ -27,10 +27,11 @@ from pages_style import STYLE
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BEGIN = ["docs/README.md", "docs/getting_started.md", "docs/gallery.md", "docs/faq.md", "docs/glossary.md"]
 SOUNDS = {".wav", ".flac", ".ogg"}
-COPIED = {".png", ".jpg", ".svg", ".npz", ".mid", ".stl", ".step", *SOUNDS}  # other files are shown as text
+COPIED = {".png", ".jpg", ".svg", ".npz", ".mid", ".stl", ".step", *SOUNDS}  # copied unchanged; other files are shown
+                                                                             # as text
 
 
-PACKAGED = re.compile(r"packaging/(library/|third_party\.md)")  # belongs in packages, beside other files
+PACKAGED = re.compile(r"packaging/(library/|third_party\.md)")  # files that belong in packages, beside other files
 
 
 def tracked():
@@ -52,7 +53,7 @@ def slug(text, taken):
 
 
 def with_anchors(body):
-    """The same HTML, each heading with its anchor; and the anchors."""
+    """The HTML with an anchor at each heading, and the set of anchors."""
     taken = set()
     body = re.sub(r"<h([1-6])>(.*?)</h\1>", lambda m: f'<h{m[1]} id="{slug(m[2], taken)}">{m[2]}</h{m[1]}>', body,
                   flags=re.S)
@@ -71,7 +72,7 @@ def title_of(text, name):
 
 @dataclasses.dataclass
 class Page:
-    name: str       # path in the checkout, docs/greed.md
+    name: str       # path in the checkout, such as docs/greed.md
     title: str
     body: str       # HTML with anchors, links as in the Markdown
     anchors: set
@@ -102,7 +103,7 @@ class Site:
         return named, urllib.parse.unquote(parts.fragment)
 
     def written_as(self, name):
-        """The file of the copy that shows a file or folder of the checkout; None: there is none."""
+        """The file of the copy that shows a file or folder of the checkout; None if there is none."""
         if name.endswith(".md"):
             return name[:-3] + ".html"
         if name in self.folders:
@@ -168,7 +169,7 @@ class Site:
     # Writing ---------------------------------------------------------------------------------------------------
 
     def groups(self):
-        """The sidebar: names of groups and their pages."""
+        """The groups of the sidebar, with their pages."""
         def under(folder):
             return [n for n in self.pages if pathlib.PurePosixPath(n).parent.as_posix() == folder and n not in BEGIN]
         shown = [("Begin", [n for n in BEGIN if n in self.pages]), ("Tutorials", under("docs/tutorials")),
@@ -205,7 +206,8 @@ class Site:
             f"<body><nav>{self.side(page)}</nav><main>{body}</main></body></html>\n")
 
     def photographed(self, page, body):
-        """A page about an object, with the picture of its patch after the first paragraph, or the command that opens it."""
+        """A page about an object, with the picture of its patch or the command that opens the patch after the first
+        paragraph."""
         path = pathlib.PurePosixPath(page)
         kind = {"docs/reference": "help", "docs/tutorials": "tutorial"}.get(path.parent.as_posix())
         picture = self.out / "pictures" / f"{path.stem}-{kind}.png"
@@ -246,7 +248,7 @@ class Site:
 
 
 def photograph(out, stage):
-    """Photographs the help patches and the tutorials' patches into FOLDER/pictures; keeps pictures newer than
+    """Photographs the help patches and the tutorials' patches into FOLDER/pictures; keeps pictures that are newer than
     their patch."""
     (out / "pictures").mkdir(parents=True, exist_ok=True)
     patches = {f"{p.name.removesuffix('-help.pd')}-help": p for p in stage.glob("*-help.pd")

@@ -3,8 +3,8 @@
 
     make_scene.py NAME [FOLDER]     FOLDER instead of out
 
-A scene has a docstring whose first line ./play --list shows (what follows goes on the page), a
-function make(scene), and lines that ./play reads: NEEDS, PATCH, LONG (scenes/README.md).
+A scene has a docstring, a function make(scene), and lines that ./play reads: NEEDS, PATCH, LONG (scenes/README.md).
+./play --list shows the docstring's first line; the rest appears on the page.
 """
 import importlib.util
 import json
@@ -36,7 +36,7 @@ class Scene:
         self.page["parts"].append({"kind": kind, **what})
 
     def progress(self, text):
-        """One line on the terminal, for anything that takes more than a few seconds."""
+        """Prints a line on the terminal, for work that takes more than a few seconds."""
         text = text.removeprefix(f"{self.name}: ")
         print(f"  {self.name}: {text}", flush=True)
 
@@ -44,14 +44,13 @@ class Scene:
         self._add("heading", text=text)
 
     def text(self, text):
-        """A paragraph."""
+        """Adds a paragraph."""
         self._add("text", text=text)
 
     def sound(self, name, samples, rate, caption=""):
-        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size. It must begin
-        and end
-        in silence: end the gesture and let it decay, or use fade_out(). Faults found by sound_check.py are
-        reported."""
+        """Adds a WAV of 32-bit floats; samples have the shape (n,) or (n, channels) and a magnitude of at most 1. The
+        sound must begin and end in silence: end the gesture and let the sound decay, or use fade_out(). Faults that
+        sound_check.py finds are reported."""
         samples = numpy.asarray(samples, dtype=numpy.float32)
         if not numpy.isfinite(samples).all() or abs(samples).max(initial=0) > 1:
             raise ValueError(f"{name}: expected a sound of finite samples in -1..1")
@@ -63,25 +62,25 @@ class Scene:
                   seconds=len(samples) / rate)
 
     def picture(self, name, figure, caption=""):
-        """A PNG of a matplotlib figure, which is closed."""
+        """Adds a PNG of a matplotlib figure, and closes the figure."""
         import matplotlib.pyplot
         figure.savefig(self.folder / f"{name}.png", dpi=110, bbox_inches="tight")
         matplotlib.pyplot.close(figure)
         self._add("picture", file=f"{name}.png", caption=caption)
 
     def drawn(self, path, name, caption=""):
-        """A PNG that a program has drawn, copied into the scene's folder."""
+        """Copies a PNG that a program has drawn into the scene's folder and adds it."""
         shutil.copy(path, self.folder / f"{name}.png")
         self._add("picture", file=f"{name}.png", caption=caption)
 
     def file(self, name, caption=""):
-        """A file that the scene has put into scene.folder, offered as a link."""
+        """Adds a link to a file that the scene has put into scene.folder."""
         if not (self.folder / name).is_file():
             raise ValueError(f"{name}: file not found in the scene's folder")
         self._add("file", file=name, caption=caption or name)
 
     def table(self, header, rows, caption=""):
-        """Numbers and words; cells are shown as str() makes them."""
+        """Adds a table of numbers and words; cells are converted with str()."""
         self._add("table", header=list(map(str, header)), rows=[list(map(str, r)) for r in rows],
                   caption=caption)
 

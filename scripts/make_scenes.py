@@ -3,11 +3,10 @@
 
     make_scenes.py [--all] [--build FOLDER] [NAME...]
 
-One thread builds, scene by scene; others make scenes, as many at a time as there are processors, at most
-four.
-After each scene out/index.html is rewritten, and out/times.tsv lists start and duration of each step.
-Without names: every scene but the long ones, which --all adds. Status 1 if a scene failed or a sound has a
-fault (scripts/sound_check.py).
+One thread builds, scene by scene; others make scenes, as many at a time as there are processors, at most four. After
+each scene out/index.html is rewritten, and out/times.tsv lists start and duration of each step. Without names it makes
+every scene except the long ones, which --all adds. Status 1 if a scene failed or a sound has a fault
+(scripts/sound_check.py).
 """
 import argparse
 import json
@@ -28,16 +27,16 @@ MAX_AT_A_TIME = 4  # scenes; each takes up to a gigabyte
 
 
 def target(need):
-    """The build's name of an external, in single precision; other words are targets already."""
+    """The build target of an external in single precision; other words are already targets."""
     if (ROOT / "externals" / need / "CMakeLists.txt").is_file() and need != "haptic_server":
         return f"{need.replace('~', '_tilde')}_f32"
     return need
 
 
 def wait(process):
-    """(status, processor seconds of a process and of those that it started and waited for)"""
+    """(status, processor seconds) of a process, including the processes that it started and waited for."""
     _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
+    process.returncode = os.waitstatus_to_exitcode(status)  # waited for above
     return process.returncode, usage.ru_utime + usage.ru_stime
 
 
@@ -66,7 +65,7 @@ class Work:
         report.write(OUT, coming=[*self.waiting, *self.running], failed=self.failed)
 
     def run_ninja(self, targets, name):
-        """(the compiler's output if it failed, else None; processor seconds)"""
+        """(the compiler's output if it failed, else None; processor seconds)."""
         log = (self.build_folder / "build.log").open("a")
         command = ["nice", "ninja", "-j", str(os.cpu_count() or 1), "-C", self.build_folder, *targets]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -111,8 +110,8 @@ class Work:
                 self.changed.notify_all()
 
     def install(self):
-        """Waits for the process that installs the scenes' runtime packages. If that failed (it has printed
-        why), makes none."""
+        """Waits for the process that installs the scenes' runtime packages. If that failed, makes no scenes; the
+        process has printed the reason."""
         status = os.waitpid(self.installer, 0)[1] if self.installer else 0
         with self.changed:
             if status:
@@ -134,7 +133,7 @@ class Work:
 
     def make_scene(self, name):
         """(status, processor seconds) of make_scene.py."""
-        # Two solvers may run at once: idle threads of OpenBLAS would wait by spinning.
+        # Limits OpenBLAS, since two solvers may run at once and its idle threads would wait by spinning.
         environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
                            PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
         process = subprocess.Popen(["nice", sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
@@ -173,7 +172,7 @@ def main():
     OUT.mkdir(exist_ok=True)
     work = Work(names, arguments.build.resolve(), arguments.begun, arguments.installer)
     work.write_page()
-    threads = [threading.Thread(target=work.make_scenes, daemon=True)  # an interrupt ends them, too
+    threads = [threading.Thread(target=work.make_scenes, daemon=True)  # daemons, so that an interrupt ends them too
                for _ in range(min(os.cpu_count() or 1, MOST_AT_A_TIME, len(names)))]
     threads += [threading.Thread(target=run, daemon=True) for run in (work.install, work.build)]
     for thread in threads:

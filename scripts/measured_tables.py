@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes and checks the tables of the docs that programs print.
+"""Writes and checks the tables in the docs that programs print.
 
     scripts/measured_tables.py write [--build build] [FILE...]
     scripts/measured_tables.py check [--build build] [FILE...]
@@ -14,21 +14,21 @@ A measured block of a Markdown page names the command that prints it:
     | the | table |
     <!-- end of measured -->
 
-`write` runs the first command in the repository's root and puts its output between the marks.
-`check` runs the second one (the first, if there is none), which may print only some of the tables.
-For each printed table, and each group of rows with the same first cell, the page must have the
-same rows in the same order, equal except for numbers that differ by at most the tolerance of their
-column: a number, or a fraction of the larger one (`20 %`); the default is 0. {build} and {python} in a
-command are the build folder and this Python. Without FILE all pages under docs/. Status 1 and one line
-for each difference.
+`write` runs the first command in the repository's root and puts its output between the marks. `check` runs the second
+command, or the first if there is no second; it may print only some of the tables. For each printed table, and each
+group of rows with the same first cell, the page must have the same rows in the same order, equal except for numbers
+that differ by at most the tolerance of their column: a number, or a fraction of the larger one (`20 %`); the default is
+0. {build} and {python} in a command are the build folder and this Python. Without FILE all pages under docs/. Status 1
+and one line for each difference.
 
 Below each table of docs/results is a line with the inputs of the measurement:
 
     Inputs at `1a2b3c4d`: `core/reed`, `programs/reed_study`.
 
 `stale` prints a line for each table whose inputs have changed since that commit: measure it again, or look at the
-changes, and `stamp` the page's tables (those whose first row contains one of the words) with the commit of the work
-tree. `write` stamps what it writes. Status 1 where a table has no such line, or its commit or a path is unknown."""
+changes and `stamp` it. `stamp` writes the commit of the work tree below the page's tables, or below those whose first
+row contains one of the words. `write` stamps the tables that it writes. Status 1 if a table has no such line, or if its
+commit or a path is unknown."""
 import argparse
 import dataclasses
 import pathlib
@@ -42,7 +42,7 @@ BLOCK = re.compile(r"(<!-- measured by:(.*?)-->\n)(.*?)(<!-- end of measured -->
 RESULTS = ROOT / "docs" / "results"
 STAMP = re.compile(r"Inputs at `([0-9a-f]{8})`: ((?:`[^`]+`(?:, )?)+)\.")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-# 0.05..0.10 is two numbers, and the sign of one is no hyphen.
+# Separates 0.05..0.10 into two numbers, and keeps a hyphen from being read as a sign.
 APART = re.compile(r"\.\.|(?<=[\w)])-")
 
 
@@ -86,7 +86,7 @@ class Orders:
 
 
 def orders_of(comment):
-    """The commands and tolerances of an opening mark; ValueError when it is none."""
+    """The commands and tolerances of an opening mark; raises ValueError if it is not one."""
     parts = re.split(r"\n\s*(check by|within):", "\nmeasured by:" + comment)
     found = {"measured by": " ".join(parts[0].split()).removeprefix("measured by:").strip()}
     found.update({name: " ".join(text.split()) for name, text in zip(parts[1::2], parts[2::2])})
@@ -128,7 +128,7 @@ def agree(committed, fresh, tolerance):
 
 
 def differences(committed, fresh, orders):
-    """One sentence for each cell, row or table of the fresh text that the committed one has not."""
+    """One sentence for each cell, row or table of the fresh text that the committed text lacks."""
     by_header = {tuple(table.header): table for table in tables_of(committed)}
     found = tables_of(fresh)
     if not found:
@@ -173,7 +173,7 @@ def stamps_of(lines):
 
 
 def staleness(lines):
-    """(Line, what is wrong or None, commits to the inputs since) of each table."""
+    """(Line, fault or None, number of later commits to the inputs) of each table."""
     for begin, stamp in stamps_of(lines):
         if stamp is None:
             yield begin + 1, "the table has no line of its inputs", 0
@@ -219,7 +219,7 @@ def output_of(command, build):
 
 
 def rewritten(text, run, commit):
-    """The page with every block as its command prints it now, and the commit below; run(command) gives the text."""
+    """The page with every block as its command now prints it, and the commit below; run(command) returns the text."""
     text = BLOCK.sub(lambda block: block[1] + run(orders_of(block[2]).write) + block[4], text)
     return re.sub(r"(<!-- end of measured -->\n+Inputs at )`[0-9a-f]{8}`", rf"\1`{commit}`", text)
 

@@ -33,7 +33,7 @@ def with_times(samples, begin_s=0.0):
 
 
 def clarinet():
-    """A clarinet while the hand raises the mouth pressure; force along the gradient of its playability, N."""
+    """A clarinet while the hand raises the mouth pressure; the force, N, along the gradient of its playability."""
     patch = Patch()
     height = patch.signal(numpy.interp(numpy.arange(4 * RATE) / RATE, [0, 2.5], [0, 0.36]))
     reed = height >> patch.obj("greed_gradient~", "clarinet")

@@ -54,8 +54,7 @@ def running(command):
 
 
 def answer_of(process, seconds):
-    """The probe's output on the console, None after a timeout or Chromium's end; and all of Chromium's
-    output."""
+    """The probe's output on the console (None after a timeout or Chromium's end), and all of Chromium's output."""
     said, end = b"", time.monotonic() + seconds
     while time.monotonic() < end:
         ready, _, _ = select.select([process.stderr], [], [], 1)
@@ -72,7 +71,8 @@ def answer_of(process, seconds):
 
 
 def faults(out, seconds=900):
-    """What Chromium could not display, one line each; a separate error if it is missing or prints nothing."""
+    """One line for each item that Chromium could not display; a separate error if Chromium is missing or prints
+    nothing."""
     browser = shutil.which("chromium")
     if not browser:
         return ["--browse: needs Debian's chromium"]

@@ -1,4 +1,4 @@
-"""The style sheet of make_pages.py, light or dark by the reader's system setting."""
+"""The style sheet of make_pages.py; the reader's system setting selects light or dark."""
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #22303a; --soft: #5c6b75; --line: #d9e0e4; --paper: #fbfcfc; --side: #f0f4f5;

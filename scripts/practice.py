@@ -6,7 +6,7 @@ from listening import decibels, envelope, fundamental_db, harmonic_pitch
 
 RATE = 48000
 GAP, HOLD, RISE = 0.15, 0.75, 0.008  # s
-QUIET = 0.01                         # gain far from the soft clip
+QUIET = 0.01                         # gain at which the sound stays far below the soft clip
 
 
 def play(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
@@ -22,7 +22,7 @@ def play(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
     patch = Patch()
     reed = patch.obj("greed~", "-preset", preset, *flags)
     patch.signal(pressure) >> reed[0]
-    # The lip is set first: `tune` selects the bore for the lip at the time the note changes.
+    # The lip is set first: because `tune` selects the bore for the lip at the time when the note changes.
     lip = numpy.repeat([f for _, _, f in trials], size)
     bore = numpy.roll(numpy.repeat([f for f, _, _ in trials], size), 2048)
     bore[:2048] = trials[0][0]
@@ -61,19 +61,18 @@ def reed_frequency(own):
 
 
 def plays_its_fundamental(sound, hz):
-    """False when another register sounds: the fundamental 30 dB below the strongest partial."""
+    """False if another register sounds, that is, if the fundamental is 30 dB below the strongest partial."""
     return fundamental_db(sound[len(sound) // 2:], RATE, hz) > -30
 
 
 def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)):
-    """A blown-closed reed with `tune 1`: the ratio to the closing pressure at which to play, and the
-    extra breath that each pitch needs.
+    """For a blown-closed reed with `tune 1`: finds the ratio to the closing pressure at which to play, and the extra
+    breath that each pitch needs.
 
-    Returns (pressure Pa, reed Hz, {pitch: dB}, gain): the lowest of the shares at which every pitch
-    speaks within 50 ms, in its first register and within 10 cents, the breath that makes all
-    pitches equally loud (at most 5 dB), and the gain of [greed~] with which that mezzo forte peaks
-    at 0.2, so that a fortissimo stays below its soft clip. Below two thirds tongued notes tend to
-    squeak when there is air in the tone. RuntimeError when no share does."""
+    Returns (pressure Pa, reed Hz, {pitch: dB}, gain): the lowest of the shares at which every pitch speaks within 50
+    ms, in its first register and within 10 cents; the breath that makes all pitches equally loud (at most 5 dB); and
+    the gain of [greed~] with which this mezzo forte peaks at 0.2, so that a fortissimo stays below the soft clip. Below
+    two thirds, tongued notes tend to squeak if there is air in the tone. Raises RuntimeError if no share qualifies."""
     own = own_settings(preset)
     lip = reed_frequency(own)
     pitches = sorted(pitches)
@@ -96,13 +95,13 @@ def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)
 
 
 def learn_lips(preset, pitches, frequency, tongue_burst, slowest=100):
-    """A valve whose lips go with note and breath (`tune 1`, `breath_ref` above 0), where loudness goes as
-    the mouth pressure and every pitch plays from soft to loud.
+    """For a valve whose lips follow note and breath (`tune 1`, `breath_ref` above 0). Its loudness is proportional to
+    the mouth pressure, and every pitch plays from soft to loud.
 
-    Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the preset's breath_ref; the change of
-    breath that makes all pitches equally loud (-5 to +2 dB); the time that each takes to speak from silence;
-    and the gain at which the loudest peaks at 0.25 in a fortissimo 6 dB above, below the soft clipping.
-    RuntimeError if a pitch is out of tune by 10 cents, or takes longer than `slowest` ms to speak."""
+    Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the preset's breath_ref; the change of breath that
+    makes all pitches equally loud (-5 to +2 dB); the time that each pitch takes to speak from silence; and the gain at
+    which the loudest pitch peaks at 0.25, so that a fortissimo 6 dB louder stays below the soft clip. Raises
+    RuntimeError if a pitch is out of tune by 10 cents or takes longer than `slowest` ms to speak."""
     own = own_settings(preset)
     pressure = own["breath_ref"]
     pitches = sorted(pitches)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes out/index.html from the scenes in out/: one page that needs nothing but its neighbours.
+"""Writes out/index.html from the scenes in out/. The page needs only the files beside it.
 
 report.py FOLDER
 
@@ -16,7 +16,7 @@ import sys
 import contents
 
 STYLE = (pathlib.Path(__file__).parent / "page.css").read_text()
-ROOT = "../"  # of the page, which is out/index.html
+ROOT = "../"  # relative to the page, which is out/index.html
 INTRODUCTION = (
     "tactus is a collection of physical models for Pure Data that you can hear and feel: reeds and lips on a bore, "
     "footsteps on fifteen surfaces, solid bodies by finite elements, particles, strings and membranes. You play them "
@@ -79,7 +79,7 @@ def opening(parts):
 
 
 def paragraphs(text):
-    """Blank lines divide them; `words` between back quotes are code."""
+    """Converts a text to paragraphs. Blank lines separate them; `words` between back quotes are code."""
     return "".join(f"<p>{re.sub('`(.+?)`', '<code>' + chr(92) + '1</code>', say(t))}</p>"
                    for t in text.split("\n\n") if t)
 
@@ -129,7 +129,7 @@ def sections(shown):
 
 
 def page(scenes, coming=(), failed=()):
-    """The page of {name: scene}; names of scenes that are being made or could not be."""
+    """The page of {name: scene}; `coming` and `failed` are names of scenes that are being made or could not be made."""
     coming = [name for name in coming if name not in failed]
     made = {name: scene for name, scene in scenes.items() if name not in (*coming, *failed)}
     parts = sections({*made, *coming, *failed})
@@ -155,7 +155,7 @@ def page(scenes, coming=(), failed=()):
 
 
 def write(out, coming=(), failed=()):
-    """Writes index.html of a folder, replacing it atomically. Scenes being made are not read: they may be
+    """Writes index.html of a folder, replacing it atomically. Scenes being made are not read, because they may be
     incomplete."""
     scenes = {p.parent.name: json.loads(p.read_text()) for p in pathlib.Path(out).glob("*/scene.json")
               if p.parent.name not in coming}

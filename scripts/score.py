@@ -3,7 +3,7 @@ import dataclasses
 
 import mido
 
-REST = 0.15  # s of silence in the score that makes a player breathe
+REST = 0.15  # s of silence in the score in which a player breathes
 NAMES = "C C# D Eb E F F# G Ab A Bb B".split()
 
 
@@ -12,10 +12,10 @@ class Note:
     onset: float           # s
     duration: float        # s
     pitch: float           # MIDI, 69 is 440 Hz
-    velocity: int          # 1..127, how loud
-    slurred: bool = False  # begins where the last note ends: no tongue
-    first: bool = False    # of its phrase
-    last: bool = False     # before a rest
+    velocity: int          # loudness, 1..127
+    slurred: bool = False  # begins at the end of the last note, without tonguing
+    first: bool = False    # first note of its phrase
+    last: bool = False     # last note before a rest
 
     @property
     def end(self):
@@ -31,9 +31,9 @@ def frequency(pitch):
 
 
 def read(path, transpose=0, channel=None):
-    """The notes of one voice, in order; a note that begins before the last has ended cuts it off.
+    """The notes of one voice, in order; a note that begins before the previous one has ended cuts that one off.
 
-    channel 0..15 picks one of several voices. ValueError when there is no note."""
+    channel 0..15 picks one of several voices. Raises ValueError if there is no note."""
     now, open_notes, notes = 0.0, {}, []
     for message in mido.MidiFile(path):
         now += message.time

@@ -5,10 +5,10 @@
 
 Limits are relative to full scale, not to the loudest sample, since the loudspeaker's step is audible.
 
-Ends    The first millisecond and the last 10 ms stay below -60 dB. (A struck body may be at full level a few
+Ends    The first millisecond and the last 10 ms stay below -60 dB. (A struck body may have full level a few
         milliseconds after the beginning; it may not still sound at the end.)
 Clipping  Three or more samples in a row that are equal and the largest of their channel, above -40 dB, or one
-        sample beyond full scale. A soft limiter never gives equal samples.
+        sample beyond full scale. The output of a soft limiter never has equal samples.
 Clicks  A jump of the waveform, above -60 dB, that stands out of the sound around it.
         A jump is a step that its neighbours do not have: from one sample to the next the sound moves further than
         just before and just after, in one direction, by about as much; its height is by how much. (A ramp of two
@@ -40,13 +40,13 @@ def decibels(value):
 
 
 def channels(samples):
-    """The samples in shape (channels, n), as float64."""
+    """The samples as float64 of shape (channels, n)."""
     samples = numpy.asarray(samples, float)
     return samples[None] if samples.ndim == 1 else samples.T
 
 
 def heights(channel):
-    """The jump at each sample, of full scale, 0 where there is none. Before and after there is silence."""
+    """The jump at each sample, relative to full scale; 0 without a jump. Silence is assumed before and after the sound."""
     found = numpy.zeros(len(channel) + 1)
     for width in (1, 2):
         padded = numpy.pad(channel, 2 * width)
@@ -55,31 +55,31 @@ def heights(channel):
         onto, off = here - before, here - after
         jumps = numpy.minimum(abs(onto), abs(off))
         jumps[(onto * off <= 0) | (jumps < SYMMETRY * numpy.maximum(abs(onto), abs(off)))] = 0
-        if width == 2:  # a ramp, not where the sound is steepest
+        if width == 2:  # counts a ramp only if it is not the steepest part of the sound
             jumps[abs(here) < RAMP_RATIO * numpy.maximum(abs(before), abs(after))] = 0
         numpy.maximum(found, jumps[:len(found)], out=found)
     return found
 
 
 def prominence(values, rate):
-    """By how many times each value exceeds those around it, within CLICK_AROUND_S but for its neighbours."""
+    """The ratio of each value to the largest around it, within CLICK_AROUND_S but without its nearest neighbours."""
     reach = int(CLICK_AROUND_S * rate)
     window = reach - CLICK_NEXT
     largest = scipy.ndimage.maximum_filter1d(numpy.pad(values, 2 * reach), window)
-    middle = CLICK_NEXT + 1 + window // 2  # of the samples CLICK_NEXT + 1 ... reach away
+    middle = CLICK_NEXT + 1 + window // 2  # middle of the samples at distances CLICK_NEXT + 1 ... reach
     before = largest[2 * reach - middle:][:len(values)]
     after = largest[2 * reach + middle:][:len(values)]
     return values / numpy.maximum(numpy.maximum(before, after), 1e-12)
 
 
 def jumps_and_ratios(channel, rate):
-    """(height of the jump before each sample, by how many times its third difference stands out)"""
+    """(height of the jump before each sample, ratio of its third difference to those around it)"""
     bends = abs(numpy.diff(numpy.pad(channel, (2, 2)), 3))
     return heights(channel), prominence(bends, rate)
 
 
 def clicks(channel, rate):
-    """[(s, height)] of the jumps that stand out of the sound around them, the highest first."""
+    """[(s, height)] of the jumps that exceed the sound around them, the highest first."""
     jumps, ratios = jumps_and_ratios(channel, rate)
     found = numpy.flatnonzero((jumps > SILENCE) & (ratios > CLICK_RATIO))
     kept = []

@@ -8,8 +8,8 @@ C_FAMILY = {".cpp", ".hpp", ".c", ".h"}
 
 
 def source_files(root=ROOT):
-    """Every file under version control or new to it, relative to root; of a checkout without git, every
-    file that does not lie in a folder made by a build."""
+    """Every file under version control or new to it, relative to root; in a checkout without git, every file that is
+    not in a folder made by a build."""
     listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z", "--cached", "--others",
                              "--exclude-standard"], capture_output=True, text=True, check=False) \
         if (root / ".git").exists() and shutil.which("git") else None

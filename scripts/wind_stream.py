@@ -3,18 +3,17 @@
 
     scripts/wind_stream.py > patches/reed/wind_controller_demo.txt
 
-A short performance as a MIDI wind controller sends it: breath as CC 2 in steps of 1/127 and 10 ms,
-note numbers, bite as pitch bend. Breath rises and falls exponentially (attack 25 ms, release 30 ms,
-single tongued notes quicker), follows the phrase between, and is never quite still. The stream is
-written as for Pd's [qlist], `ms wind-event message`: a patch of your own can send it, and wind_controller.pd
-reads it line by line."""
+It is a short performance as a MIDI wind controller sends it: breath as CC 2 in steps of 1/127 and 10 ms, note numbers,
+and bite as pitch bend. Breath rises and falls exponentially (attack 25 ms, release 30 ms, faster for single tongued
+notes), follows the phrase in between, and is never quite steady. The stream has the format of Pd's [qlist], `ms
+wind-event message`. Your own patch can send it, and wind_controller.pd reads it line by line."""
 import dataclasses
 import math
 import random
 import sys
 
 STEP_S = 0.01            # interval of the sensors' readings
-BEND_RANGE_CENTS = 200   # of 8192, a controller's usual setting
+BEND_RANGE_CENTS = 200   # cents for a bend of 8192, a controller's usual setting
 ATTACK_S, RELEASE_S = 0.025, 0.03
 VIBRATO_HZ, VIBRATO_DELAY_S = 5.5, 0.35
 REST_S = 0.5
@@ -30,7 +29,7 @@ class Note:
 
 @dataclasses.dataclass(frozen=True)
 class Phrase:
-    """Notes slurred on one breath, which goes through the levels (0..127) in equal times."""
+    """Notes slurred on one breath, which passes through the levels (0..127) in equal times."""
     notes: tuple
     breath: tuple
     rest: float = REST_S
@@ -114,7 +113,7 @@ def cents_at(note, t):
 
 
 def phrase_events(phrase, start, seed):
-    """[(s, message)] of one phrase; the note's number comes once there is breath."""
+    """[(s, message)] of one phrase; the note's number follows once there is breath."""
     generator = random.Random(seed)
     events, breath, bend, sounding = [], 0, 0, None
     onsets, now = [], 0
@@ -136,7 +135,7 @@ def phrase_events(phrase, start, seed):
             events.append((start + t, f"bend {turned}"))
         if reading > 0 and sounding != index and t <= phrase.duration:
             events.append((start + t, f"note {note.key} {max(1, reading)}"))
-            if sounding is not None:  # a slur: the fingers of the next note, then the last one's end
+            if sounding is not None:  # a slur: first the next note's number, then the end of the last note
                 events.append((start + t, f"note {phrase.notes[sounding].key} 0"))
             sounding = index
         if reading == 0 and breath > 0 and sounding is not None:
@@ -156,7 +155,7 @@ def stream():
 
 
 def qlist(events):
-    """The stream as text for [qlist]: each line waits so many ms, then sends."""
+    """The stream as text for [qlist]: each line waits for its number of ms, then sends."""
     lines, now = [], 0
     for seconds, message in events:
         ms = round(1000 * seconds)

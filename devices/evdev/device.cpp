@@ -20,8 +20,9 @@ namespace {
 using haptic::State;
 
 constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
-// linux/input.h, struct ff_replay: above 32767 ms is unspecified; 0, which many drivers take for
-// "for ever", was sent to PID devices as no time at all (hid-pidff.c before PID_INFINITE).
+// Values above 32767 ms are unspecified (linux/input.h, struct ff_replay). Many drivers take 0 as
+// an endless effect, but hid-pidff.c sent it to PID devices as a duration of zero before it had
+// PID_INFINITE.
 constexpr std::uint16_t kLength_ms = 1000;
 constexpr auto kBetweenStarts = std::chrono::milliseconds(250);
 constexpr std::size_t kMaxButtons = 32;
@@ -111,7 +112,8 @@ std::string Device::open_node(const std::string& node) {
   query_all();
   read_error_ = force_error_ = 0;
   dropping_ = false;
-  // Full gain, and no spring of the device's own; a device without either refuses, which is well.
+  // Sets full gain and switches off the device's own spring. A device without gain or spring
+  // refuses the event, which does no harm.
   for (const auto& [code, value] : {std::pair{FF_GAIN, 0xFFFF}, std::pair{FF_AUTOCENTER, 0}}) {
     input_event event{};
     event.type = EV_FF;
@@ -160,7 +162,7 @@ void Device::close() noexcept {
   file_ = -1;
 }
 
-/// False without the first axis.
+/// Returns false if the device lacks the first axis.
 bool Device::read_axes() noexcept {
   for (Axis& axis : axes_) {
     input_absinfo range{};
@@ -271,7 +273,7 @@ bool Device::upload(const ConstantForce& force) noexcept {
   return false;
 }
 
-/// Starts the effect, also while it plays: its duration then restarts.
+/// Starts the effect. If it is playing already, its duration restarts.
 bool Device::start() noexcept {
   input_event play{};
   play.type = EV_FF;

@@ -33,7 +33,7 @@ public:
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   /// "device WHICH" (index, /dev/input/eventN or serial), "reach MM" (1..1000), "peak N" (0.1..40),
-  /// "wheel 0|1|auto" (force along x alone), "reverse 0|1" (of the force, not of the position).
+  /// "wheel 0|1|auto" (force along x alone), "reverse 0|1" (reverses the force, not the position).
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -42,14 +42,14 @@ private:
   struct Settings {
     std::string device;
     double reach_m = 0.05, peak_n = 3;
-    std::optional<bool> wheel{}; ///< empty: detected from the device's axes
+    std::optional<bool> wheel{}; ///< if empty, detected from the device's axes
     bool reverse = false;
   };
   struct Axis {
     int code;         ///< ABS_X and so on
     int project_axis; ///< 0 x, 1 y, 2 z
     double sign;
-    double centre = 0, half = 0; ///< of the readings; no half, no axis
+    double centre = 0, half = 0; ///< of the readings; half is 0 without an axis
   };
 
   [[nodiscard]] std::string open_node(const std::string& node);
@@ -68,7 +68,7 @@ private:
   haptic::Caps caps_{};
   haptic::Identity identity_{};
   std::array<Axis, 3> axes_{{{ABS_X, 0, 1}, {ABS_Y, 2, 1}, {ABS_Z, 1, 1}}};
-  std::vector<int> buttons_; ///< the key of each bit
+  std::vector<int> buttons_; ///< key code of each button bit
   haptic::State state_{};
   bool dropping_ = false, two_axes_ = false;
 
@@ -78,7 +78,7 @@ private:
   haptic::TimedMailbox<Vec3> forces_;
   std::thread sender_;
   std::atomic<bool> stop_{false};
-  ff_effect effect_{}; ///< as uploaded last
+  ff_effect effect_{}; ///< last uploaded
   std::atomic<int> read_error_{0}, force_error_{0};
 };
 

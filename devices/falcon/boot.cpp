@@ -17,7 +17,7 @@ constexpr double kWelcome_s = 0.05, kDrain_s = 0.005;
 constexpr double kEcho_s = 0.5, kProbe_s = 0.05, kClearToSend_s = 0.1;
 constexpr std::size_t kChunkBytes = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
 constexpr double kMinPause_s = 0.02, kMaxPause_s = 0.5;
-constexpr double kMaxBoot_s = 20; // all tries together
+constexpr double kMaxBoot_s = 20; // time of all tries together
 
 enum class Step { kDone, kFailed, kGone };
 
@@ -33,7 +33,7 @@ bool welcomes(const std::vector<std::uint8_t>& bytes) {
   return std::search(bytes.begin(), bytes.end(), kWelcome.begin(), kWelcome.end()) != bytes.end();
 }
 
-// Each restart is followed by many greetings: the boot loader may need its time.
+// Sends many greetings after each restart, because the boot loader may need time.
 Step greet(Link& link, std::string& problem) {
   for (int restart = 0; restart < kRestarts; ++restart) {
     if (!link.enter_boot_loader())
@@ -58,7 +58,8 @@ Step begin_upload(Link& link, std::string& problem) {
   std::vector<std::uint8_t> answer;
   if (!link.enter_upload())
     return gone(link, problem);
-  // The device raises "clear to send" when it is ready at the new speed; it is not always seen.
+  // The device raises "clear to send" when it is ready at the new speed, but the host does not
+  // always see the signal.
   const auto begin = std::chrono::steady_clock::now();
   const auto longest = std::chrono::duration<double>(kClearToSend_s);
   while (std::chrono::steady_clock::now() - begin < longest) {

@@ -14,21 +14,21 @@
 namespace tactus::devices::falcon {
 namespace {
 
-// Radius: half of the range that CHAI3D states for this device; force, stiffness and damping limits
-// are CHAI3D's too.
+// The radius is half of the range that CHAI3D states for this device. The limits of force,
+// stiffness and damping are CHAI3D's too.
 constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
 
 constexpr std::size_t kMaxFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
 const char* const kCancelled = "opening the Falcon was cancelled: open it again";
 constexpr double kFirstAnswer_s = 1.0;
 constexpr double kSilent_s = 0.005;    // longest time without an answer, or three ticks if longer
-constexpr double kForceReturn_s = 0.5; // from none to full force after homing
-constexpr double kMinHoming_s = 0.1;   // without the homing bit after "home"
-constexpr double kStuck_s = 5.0;       // without a single count since the opening
-constexpr int kMaxCountStep = 400;     // counts between two answers: some 15 m/s
+constexpr double kForceReturn_s = 0.5; // time from zero to full force after homing
+constexpr double kMinHoming_s = 0.1;   // minimum time without the homing bit after "home"
+constexpr double kStuck_s = 5.0;       // maximum time without a change of a count since the opening
+constexpr int kMaxCountStep = 400;     // counts between two answers, about 15 m/s
 
 // Within this distance of the centre no arm can lean against a stop. At a stop the counts do not
-// change under any force.
+// change, whatever the force.
 constexpr double kStops_m = 0.025;
 
 std::shared_ptr<UsbLibrary> library(std::string& problem) {
@@ -37,8 +37,8 @@ std::shared_ptr<UsbLibrary> library(std::string& problem) {
   return usb;
 }
 
-// The closure equations have solutions that the arms have not: far outside, or with an arm folded
-// the other way.
+// Rejects solutions of the closure equations that the arms cannot reach: far outside, or with an
+// arm folded the other way.
 bool reachable(const Vec3& position, const Angles& angles) noexcept {
   constexpr double kReach_m = 0.1; // from the centre: a corner of +-2 inches is at 88 mm
   constexpr double kSame_rad = 1e-6;
@@ -105,8 +105,8 @@ std::string Falcon::open() {
 }
 
 std::string Falcon::boot(const Settings& settings) {
-  // A question at 1.5 Mbaud is noise to a boot loader: ask only where firmware is known to run, or
-  // where nothing else can be done.
+  // A boot loader receives a request at 1.5 Mbaud as noise. So ask only if firmware is known to run
+  // or nothing else can be done.
   const bool ask =
       settings.probe || settings.firmware.empty() || loaded_path_ == link_->port().path;
   if (!settings.reload && ask && firmware_runs(*link_))
@@ -164,14 +164,14 @@ std::string Falcon::start_stream() {
 void Falcon::close() noexcept {
   const Condition last = condition_.exchange(Condition::kClosed);
   if (last == Condition::kLost || last == Condition::kSilent)
-    loaded_path_.clear(); // it may have been without power
+    loaded_path_.clear(); // the device may have lost its power
   // The encoders do not change: start with the boot loader at the next opening.
   if (last == Condition::kFrozen || last == Condition::kAtStop || last == Condition::kUnreachable ||
       (last == Condition::kHoming && stuck_)) {
     const std::scoped_lock lock(mutex_);
     settings_.reload = !settings_.firmware.empty();
   }
-  stream_.reset(); // sends no force first
+  stream_.reset(); // first sends a command without force
   link_.reset();
   open_.clear();
 }
@@ -188,7 +188,7 @@ haptic::Caps Falcon::caps() const noexcept {
   // frame of 1 ms, and an answer of less than 62 bytes also for the serial chip's latency timer, at
   // least 1 ms (FTDI, AN232B-04). So a tick reads the answer to the command of two ticks before.
   caps.latency_ticks = 2;
-  caps.has_velocity = true; // estimated here, where the answers' own times are known
+  caps.has_velocity = true; // estimated here, because this code has the times of the answers
   caps.has_buttons = true;
   caps.needs_home = true;
   return caps;
@@ -215,7 +215,7 @@ bool Falcon::process(const Frame& frame) noexcept {
   }
   rejected_.reset();
   if (jumped)
-    estimator_.reset(); // that was no motion
+    estimator_.reset(); // the jump was not a motion
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
   frame_ = frame;
@@ -271,7 +271,7 @@ void Falcon::update_condition(const haptic::Tick& tick, bool new_frame) noexcept
     condition = Condition::kLost;
   else if (silent)
     condition = Condition::kSilent;
-  else if (!homed_) // the angles are undefined until then
+  else if (!homed_) // the angles are undefined before homing
     condition = Condition::kHoming;
   else if (unreachable_)
     condition = Condition::kUnreachable;

@@ -34,7 +34,7 @@ private:
   struct Settings {
     std::string device, firmware;
     bool reload = false; ///< upload at the next opening even if firmware runs
-    bool probe = false;  ///< ask a device of which nothing is known whether firmware runs
+    bool probe = false;  ///< ask an unknown device too whether firmware runs
   };
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool process(const Frame& frame) noexcept;
@@ -43,33 +43,33 @@ private:
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
-  mutable std::mutex mutex_; // of settings and port, held briefly and never in the servo
+  mutable std::mutex mutex_; // guards settings and port; held briefly, never in the servo
   Settings settings_;
   Port port_;
-  std::string loaded_path_; ///< port of the device that was loaded here; for the opening thread
+  std::string loaded_path_; ///< port of the device loaded here; used by the opening thread
   OpenDevice open_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Stream> stream_;
 
-  // between the servo's thread and the others
+  // Shared by the servo's thread and others.
   std::atomic<Condition> condition_{Condition::kClosed};
   std::atomic<double> counts_per_n_m_{10000};
-  std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
+  std::atomic<int> lights_{-1}; // flags of a Command, or -1 to follow the state
   std::atomic<bool> home_requested_{false}, stuck_{false}, cancelled_{false};
 
   // Used by the servo's thread only.
   haptic::VelocityEstimator estimator_;
-  Frame frame_{};          // the newest whose arms' angles make sense
-  Counts encoders_{};      // of the newest frame, plausible or not
-  std::uint8_t flags_ = 0; // likewise
+  Frame frame_{};          // the newest with plausible arm angles
+  Counts encoders_{};      // from the newest frame, plausible or not
+  std::uint8_t flags_ = 0; // from the newest frame, plausible or not
   bool answered_ = false;
   std::optional<Counts> rejected_{};
   Vec3 position_ = kCentre, velocity_{};
   FrozenEncoderDetector frozen_detector_;
-  Vec3 commanded_n_{};   // of the last write, before the watch
-  bool changed_ = false; // a count, in this tick
+  Vec3 commanded_n_{};   // of the last write, before frozen_detector_'s gain
+  bool changed_ = false; // true if a count changed in this tick
   bool homed_ = false, homing_ = false, unreachable_ = false;
-  std::atomic<bool> moved_{false}; // a count, since the opening
+  std::atomic<bool> moved_{false}; // true once a count has changed since the opening
   double time_s_ = 0, period_s_ = 1e-3;
   double last_frame_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0;
 };

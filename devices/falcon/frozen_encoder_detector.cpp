@@ -7,12 +7,12 @@ namespace tactus::devices::falcon {
 namespace {
 
 constexpr double kLowPass_s = 0.05, kMaxForce_n = 100;
-constexpr double kSettled_s = 1; // after a test; motion before that may be the returning force's
-constexpr int kMotion = 50; // ticks with changed counts from which on the hand counts as moving
+constexpr double kSettled_s = 1; // after a test; the returning force may cause earlier motion
+constexpr int kMotion = 50;      // ticks with changed counts that show a moving hand
 
 } // namespace
 
-// A count has changed: the encoders work.
+// Called when a count has changed, which shows that the encoders work.
 void FrozenEncoderDetector::end_test(double period_s) noexcept {
   if (testing_) {
     wait_s_ = std::min(2 * wait_s_, kMaxWait_s);

@@ -20,7 +20,7 @@ constexpr std::array<Leg, 3> kLegs{{{-kSin15, kCos15}, {kCos15, -kSin15}, {-kHal
 constexpr double kTolerance_m = 1e-12;
 constexpr int kMaxSteps = 32;
 constexpr double kMaxStep_m = 0.03;
-constexpr double kMaxCosine = 0.999; // of the cosine of the parallelogram's angle
+constexpr double kMaxCosine = 0.999; // limit of the cosine of the parallelogram's angle
 constexpr double kMinSine = 1e-3;    // a leg with a smaller sine counts as stretched or folded
 
 struct LegPoint {
@@ -51,7 +51,7 @@ double determinant(const std::array<Vec3, 3>& rows) noexcept {
   return dot(rows[0], cross(rows[1], rows[2]));
 }
 
-// x of (rows) x = right, by Cramer's rule; det is not zero.
+// Solves (rows) x = right for x by Cramer's rule; det must not be zero.
 Vec3 solve(const std::array<Vec3, 3>& rows, const Vec3& right, double det) noexcept {
   return (cross(rows[1], rows[2]) * right.x + cross(rows[2], rows[0]) * right.y +
           cross(rows[0], rows[1]) * right.z) *
@@ -130,7 +130,7 @@ std::optional<Gradient> angle_gradient(const Vec3& position) noexcept {
     const LegPoint q = leg_point(kLegs[leg], position);
     const LegAngles found = leg_angles(q);
     const double sine = found.sin_2 * std::cos(found.theta_1) -
-                        found.cos_2 * std::sin(found.theta_1); // of theta_2 - theta_1
+                        found.cos_2 * std::sin(found.theta_1); // sine of theta_2 - theta_1
     if (!found.found || !(std::abs(sine) > kMinSine))
       return std::nullopt;
     // From dg = 0: 2 length (cos_2 du + sin_2 dw + cot_3 dv) = 2 a length sine dtheta_1

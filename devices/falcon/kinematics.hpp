@@ -9,7 +9,7 @@
 /// Geometry of the Novint Falcon: three legs around the z axis, each an upper arm a that a motor
 /// turns by theta and a parallelogram b that carries the grip's platform. A Delta robot with
 /// offsets c, d, e, f, r, s (R. E. Stamper, PhD thesis, University of Maryland 1997; the numbers
-/// are the open driver's). docs/theory/falcon.md has the drawing and the equations.
+/// are from the open driver). docs/theory/falcon.md has the drawing and the equations.
 ///
 /// Frame here: x right, y up, z from the base towards the user, origin in the base. SI, radians.
 namespace tactus::devices::falcon {
@@ -43,11 +43,11 @@ struct Gradient {
 /// Nothing when the pose is out of reach or at a singularity (a leg stretched or folded).
 [[nodiscard]] std::optional<Gradient> angle_gradient(const Vec3& position) noexcept;
 
-/// Motor torques that hold the force at that position, N m: the work of the torques over any small
-/// motion is the force's. All zero where there is no gradient.
+/// Motor torques that hold the force at that position, N m: over any small motion the torques do
+/// the same work as the force. All are zero where the gradient does not exist.
 [[nodiscard]] std::array<double, 3> torques(const Vec3& position, const Vec3& force_n) noexcept;
 
-/// Motor commands for torques. When one would leave the motors' range all three shrink by one
+/// Motor commands for torques. If one would exceed the motors' range, all three shrink by the same
 /// factor, so that the force keeps its direction.
 [[nodiscard]] Counts motor_counts(const std::array<double, 3>& torque_n_m,
                                   double counts_per_n_m) noexcept;

@@ -19,7 +19,7 @@ constexpr std::uint8_t kToChip = 0x40; // vendor request, host to device
 constexpr std::uint16_t kEightBits = 8, kNoFlow = 0;
 constexpr std::uint16_t kReadyLow = 0x0100, kReadyHigh = 0x0101, kSendLow = 0x0200;
 constexpr std::uint16_t kDivisor9600 = 0x4138, kDivisor140k = 0x15, kDivisor1500k = 0x2;
-constexpr std::uint8_t kClearToSend = 0x10; // of the first status byte
+constexpr std::uint8_t kClearToSend = 0x10; // bit of the first status byte
 
 std::string path_of(UsbLibrary& usb, libusb_device* device) {
   std::array<std::uint8_t, 7> ports{};
@@ -40,7 +40,7 @@ std::string why_not_opened(UsbLibrary& usb, int error) {
   return std::string("libusb reports ") + usb.error_name(error);
 }
 
-// Calls visit(device, descriptor) for each Falcon until it says true.
+// Calls visit(device, descriptor) for each Falcon until visit returns true.
 template <class Visit> void for_each_falcon(UsbLibrary& usb, libusb_context* context, Visit visit) {
   libusb_device** list = nullptr;
   const auto count = usb.get_device_list(context, &list);

@@ -13,14 +13,14 @@
 namespace tactus::devices::falcon {
 
 constexpr std::uint8_t kOutEndpoint = 0x02, kInEndpoint = 0x81;
-constexpr std::size_t kTransferBytes = 64; ///< of a full-speed bulk endpoint
+constexpr std::size_t kTransferBytes = 64; ///< bytes per transfer of a full-speed bulk endpoint
 constexpr std::size_t kStatusBytes = 2;    ///< the serial chip's status, first in each IN transfer
 
 /// The USB port of a Falcon.
 struct Port {
   std::string path;    ///< bus and ports: "1-2.3"
-  std::string serial;  ///< empty when it cannot be asked
-  std::string problem; ///< empty when it can be opened
+  std::string serial;  ///< empty if it cannot be read
+  std::string problem; ///< empty if the Falcon can be opened
 };
 
 /// The serial connection to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setup; in run
@@ -37,7 +37,7 @@ public:
   /// accessed.
   using IsOpen = std::function<bool(const std::string& path)>;
 
-  /// All Falcons on the buses now; of one that is open already the path alone.
+  /// Lists all Falcons on the buses. For a Falcon that is already open, it gives only the path.
   [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb, const IsOpen& is_open);
 
   /// which: an index into ports(), a serial number or a path; empty: the first that is not open.
@@ -45,21 +45,21 @@ public:
   [[nodiscard]] std::string open(const std::string& which, const IsOpen& is_open);
   void close() noexcept;
 
-  /// 9600 baud and a restart of the boot loader.
+  /// Sets 9600 baud and restarts the boot loader.
   [[nodiscard]] bool enter_boot_loader() noexcept;
-  /// About 140 kbaud, for the firmware.
+  /// Sets about 140 kbaud, for the firmware.
   [[nodiscard]] bool enter_upload() noexcept;
-  /// 1.5 Mbaud and the shortest latency.
+  /// Sets 1.5 Mbaud and the shortest latency.
   [[nodiscard]] bool enter_run() noexcept;
 
-  /// Half a second at most. False when the device is gone, takes nothing, or the opening was
-  /// cancelled.
+  /// Sends within at most half a second. False if the device is gone or accepts nothing, or if the
+  /// opening was cancelled.
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes) noexcept;
-  /// Appends arriving bytes until there are `requested` of them or the time is over. False if the
+  /// Appends arriving bytes until there are `requested` of them or the time is up. False if the
   /// device is gone or the opening was cancelled.
   [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t requested,
                              double limit_s);
-  /// Waits; false when the opening was cancelled meanwhile.
+  /// Waits; returns false if the opening was cancelled meanwhile.
   [[nodiscard]] bool pause(double seconds) const;
   [[nodiscard]] bool cancelled() const noexcept { return cancelled_ && cancelled_->load(); }
   /// The chip's "clear to send" input, as of the last transfer.

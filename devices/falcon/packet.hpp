@@ -33,14 +33,14 @@ struct Response {
 [[nodiscard]] Packet encode(const Command& command) noexcept;
 [[nodiscard]] Packet encode(const Response& response) noexcept;
 
-/// Cuts a stream of bytes into answers. '<' occurs at the start of a packet alone, so after
-/// lost or added bytes the next whole packet is found.
+/// Cuts a stream of bytes into answers. '<' occurs only at the start of a packet, so the parser
+/// finds the next whole packet after lost or added bytes.
 class ResponseParser {
 public:
   /// True when this byte completes an answer.
   bool process(std::uint8_t byte) noexcept;
   [[nodiscard]] const Response& response() const noexcept { return response_; }
-  /// Packets that were begun and not finished, and runs of bytes between packets.
+  /// The number of unfinished packets plus the number of runs of bytes between packets.
   [[nodiscard]] std::uint64_t errors() const noexcept { return errors_; }
   /// Discards a partly received packet.
   void reset() noexcept { filled_ = 0; }

@@ -19,7 +19,7 @@ constexpr std::array<Light, 5> kLights{{{"auto", -1},
                                         {"green", Command::kGreen},
                                         {"blue", Command::kBlue}}};
 
-// The colours' sum, or nothing.
+// The flags of all colours together; nullopt if a word is not accepted.
 std::optional<int> lights_of(std::span<const std::string> words) {
   std::optional<int> sum;
   for (const std::string& word : words) {
@@ -73,8 +73,8 @@ std::string Falcon::configure(std::span<const std::string> words) {
     const auto gain = to_number(values[0], kMinGain, kMaxGain);
     if (!gain)
       return "falcon: gain " + values[0] +
-             ": expected 1000..100000 motor counts per N m (10000 unless you have measured "
-             "another)";
+             ": expected 1000..100000 motor counts per N m (10000 unless you have measured another "
+             "value)";
     counts_per_n_m_ = *gain;
     return {};
   }

@@ -224,7 +224,8 @@ void Stream::handle_events() noexcept {
     if (ended_) {
       if (end == Clock::time_point{}) {
         end = Clock::now() + kCancel;
-        for (auto* transfers : {&in_, &out_}) // here, where no callback can submit meanwhile
+        for (auto* transfers : {&in_, &out_}) // cancelled in this thread, so no callback can submit
+                                              // meanwhile
           for (Transfer& transfer : *transfers)
             if (transfer.under_way)
               link_.usb().cancel_transfer(transfer.usb);

@@ -12,7 +12,7 @@
 
 namespace tactus::devices::falcon {
 
-/// An answer and when it came.
+/// An answer and its time of arrival.
 struct Frame {
   Response response{};
   std::uint64_t number = 0; ///< counts answers from 1
@@ -23,9 +23,9 @@ struct Frame {
 /// transfers, another handles those that complete. The servo only accesses memory: its send() and
 /// receive() allocate nothing, take no lock and never wait. A newer command replaces an unsent one.
 /// At most two commands are unanswered, so that no queue can form in front of a device that is
-/// slower than the servo; an answer that has not come after 10 ms is not waited for any longer. The
-/// device applies a command until the next one arrives, so while the servo stalls the stream sends
-/// commands without force (force_timeout.hpp).
+/// slower than the servo; after 10 ms the stream stops waiting for an answer. The device applies a
+/// command until the next one arrives, so while the servo stalls the stream sends commands without
+/// force (force_timeout.hpp).
 class Stream {
 public:
   explicit Stream(Link& link) : link_(link) {}
@@ -33,15 +33,16 @@ public:
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// Empty, else a sentence: no memory or no thread. A device that has left the bus is lost().
+  /// Returns an empty text, or a sentence if there is no memory or no thread. If the device has
+  /// left the bus, lost() is true.
   [[nodiscard]] std::string start();
-  /// Sends a command without force and waits until it is delivered; at most half a second,
-  /// including the threads' end.
+  /// Sends a command without force and waits until it is delivered. This takes at most half a
+  /// second, including the end of the threads.
   void stop() noexcept;
 
-  /// For the servo's thread.
+  /// The servo's thread calls it.
   void send(const Command& command) noexcept;
-  /// True when an answer came since the last call; latest() is then the newest.
+  /// True if an answer came since the last call; latest() then returns the newest answer.
   [[nodiscard]] bool receive() noexcept { return frames_.read(); }
   [[nodiscard]] const Frame& latest() const noexcept { return frames_.latest(); }
 
@@ -82,12 +83,12 @@ private:
   Link& link_;
   std::array<Transfer, 2> in_, out_;
   Mailbox<Numbered> commands_;
-  std::atomic<double> written_s_{-1e9}; // of the newest command
+  std::atomic<double> written_s_{-1e9}; // time of the newest command
   Mailbox<Frame> frames_;
   ResponseParser parser_;
-  std::uint64_t commands_written_ = 0; // by the servo
+  std::uint64_t commands_written_ = 0; // number written by the servo
   std::uint64_t frame_ = 0;
-  int failures_ = 0; // in a row
+  int failures_ = 0; // consecutive
   std::atomic<std::uint64_t> delivered_{0};
   std::atomic<std::uint64_t> sent_{0}, answered_{0}, broken_{0}, skipped_{0}, failed_{0};
   std::atomic<int> unanswered_{0};

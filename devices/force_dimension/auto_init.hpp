@@ -17,22 +17,23 @@ namespace tactus::devices::force_dimension {
 /// positions. It runs in a separate thread; the servo does not call the library meanwhile.
 class AutoInit {
 public:
-  /// The servo's side, once a tick before it calls the library.
+  /// Result of turn(), which the servo calls once per tick before it calls the library.
   enum class Turn {
     kServo,   ///< the servo uses the device
     kBegins,  ///< initialisation was requested: the servo's force must end with this tick
     kRunning, ///< initialisation uses the device
-    kEnded    ///< it has ended just now, see failed()
+    kEnded    ///< initialisation has just ended, see failed()
   };
 
-  /// Call at each opening, before there is a servo. Returns whether the library and this device
+  /// Call it at each opening, before the servo starts. Returns whether the library and this device
   /// support the initialisation. The caller serialises all functions but turn() with one lock.
   [[nodiscard]] bool prepare(const DhdLibrary& library, char id) {
     shared_ = std::make_shared<Shared>(library, id);
     return library.auto_init && library.robot_stop && library.robot_supported &&
            library.robot_supported(id);
   }
-  /// Returns why it cannot begin, else empty. The host's thread, after prepare().
+  /// Returns an empty text, or the reason why the initialisation cannot begin. The host's thread
+  /// calls it, after prepare().
   [[nodiscard]] std::string start() {
     Stage none = Stage::kNone;
     if (!shared_->stage.compare_exchange_strong(none, Stage::kAsked))
@@ -44,7 +45,7 @@ public:
       shared_->stage = Stage::kNone;
     return reason;
   }
-  /// The last one failed; why() is the library's reason.
+  /// True if the last initialisation failed; why() returns the library's reason.
   [[nodiscard]] bool failed() const noexcept { return shared_ && shared_->failed; }
   [[nodiscard]] const char* why() const noexcept { return shared_->reason; }
 
@@ -58,22 +59,22 @@ public:
     return shared_->stage.compare_exchange_strong(stage, Stage::kNone) ? Turn::kEnded
                                                                        : Turn::kServo;
   }
-  /// Call without a servo. If the initialisation runs, ends it, leaves the closing of the device to
-  /// its thread, waits at most about 20 ms for that thread and returns true. False: the caller
-  /// closes the device.
+  /// Call it while no servo runs. If the initialisation runs, this function ends it, leaves the
+  /// closing of the device to its thread, waits at most about 20 ms for that thread and returns
+  /// true. If it returns false, the caller closes the device.
   [[nodiscard]] bool stop_and_close() noexcept {
     Shared& s = *shared_;
     std::unique_lock lock(s.closing);
     s.close_it = s.stage == Stage::kRunning && !s.over;
     const bool left = s.close_it;
-    // Again and again: a first call may come before the library has begun, and be lost.
+    // Repeated, because a call that comes before the library has begun has no effect.
     for (int tries = 0; left && !s.over && tries < kMaxStops; ++tries) {
       static_cast<void>(s.robot_stop(false, s.id));
       lock.unlock();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       lock.lock();
     }
-    thread_.end(); // also one that has not begun
+    thread_.end(); // also if the work has not begun
     return left;
   }
 

@@ -15,7 +15,7 @@ namespace {
 using haptic::State;
 
 constexpr int kSerialsFrom = 64;
-constexpr unsigned char kWatchdogSteps = 240, kNoWatchdog = 0; // of 125 us: 30 ms
+constexpr unsigned char kWatchdogSteps = 240, kNoWatchdog = 0; // 240 steps of 125 us are 30 ms
 constexpr int kStatusEvery_ticks = 64;
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
@@ -80,7 +80,7 @@ std::string Device::open_with_retries(int requested) {
       return "dhd: opening was cancelled: open the device again";
     id_ = open_requested(requested);
     if (id_ >= 0 && is_open("dhd", std::to_string(id_))) {
-      id_ = -1; // it belongs to another object, which keeps it
+      id_ = -1; // another object owns the device and keeps it open
       return "dhd: the device is already open in this program: close it there";
     }
     if (id_ >= 0)
@@ -93,7 +93,7 @@ std::string Device::open_with_retries(int requested) {
          "it, and that your account may use USB devices (70-tactus.rules)";
 }
 
-/// False when the controller has none, as older ones, or the library cannot set it.
+/// Returns false if the controller has no watchdog, as older ones, or if the library cannot set it.
 bool Device::set_watchdog(unsigned char steps) noexcept {
   if (!library_.expert_mode || !library_.set_watchdog || library_.expert_mode() < 0)
     return false;
@@ -145,8 +145,9 @@ std::string Device::open() {
   }
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
-  // The watchdog is enabled with the first force, since nothing resets it before. 0 disables it
-  // (forcedimension_core, dhd.expert.setWatchdog); the call also shows whether there is one.
+  // The watchdog is enabled with the first force, since nothing resets it before. The value 0
+  // disables it (forcedimension_core, dhd.expert.setWatchdog). The call also shows whether the
+  // controller has a watchdog.
   const bool watched = set_watchdog(kNoWatchdog);
   watchdog_due_ = has_watchdog_ = watched;
   initialising_ = false;
@@ -270,7 +271,7 @@ bool Device::read_device(State& state) noexcept {
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
   if (reset_requested_.exchange(false) && library_.reset) {
     static_cast<void>(library_.reset(id));
-    until_status_ = 0; // the status is read in this tick: no force from here on
+    until_status_ = 0; // reads the status in this tick, so no force follows
   }
   update_status();
   error_ = nullptr;

@@ -14,25 +14,26 @@
 namespace tactus::devices::force_dimension {
 
 /// An omega, delta, sigma or lambda of Force Dimension through the vendor's library (DHD). The
-/// device's own watchdog is set to 30 ms, so that it ends the force when the servo dies; for a
-/// device without one a StallGuard does. When the device has switched its force off by itself,
-/// force returns when zero has been requested for 0.2 s; after its force button was pressed, when
-/// that is pressed again. The library's frame (x towards the user, y right, z up) is converted to
-/// the project's.
+/// device's own watchdog is set to 30 ms, so that it ends the force when the servo dies. If the
+/// device has no watchdog, a StallGuard ends the force. If the device has switched its force off by
+/// itself, force returns after zero has been requested for 0.2 s. If its force button has switched
+/// the force off, force returns when the button is pressed again. The library's frame (x towards
+/// the user, y right, z up) is converted to the project's.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
-  /// Between two calls of the vendor's library; a call that hangs is not ended.
+  /// Takes effect between two calls of the vendor's library; it does not end a call that hangs.
   void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   void set_wrist(const haptic::WristCommand& command) noexcept override;
-  /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": a device that
-  /// can do it initialises itself, moved by its motors; another waits for its calibration again.
+  /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": a device with
+  /// automatic initialisation moves itself with its motors; any other device waits to be calibrated
+  /// again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -60,16 +61,16 @@ private:
 
   mutable std::mutex settings_mutex_;
   int requested_ = 0;
-  bool has_auto_init_ = false; ///< an open device that auto_init_ can initialise
+  bool has_auto_init_ = false; ///< the open device can be initialised by auto_init_
 
-  // The servo's thread
+  // Used by the servo's thread.
   std::array<int, kMaxStatus> status_{};
   haptic::ForceTimeout timeout_{};
   double written_s_ = -1e9;
   Vec3 last_position_{};
-  haptic::WristCommand wrist_command_{};  // of the next write
-  std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
-  haptic::State state_{};                 // of the tick before
+  haptic::WristCommand wrist_command_{};  // for the next write
+  std::atomic<bool> wrist_driven_{false}; // driven since the opening; if true, zero is sent too
+  haptic::State state_{};                 // of the previous tick
   int until_status_ = 0, until_watchdog_ = 0, error_free_ticks_ = 0;
   bool homed_ = true, limited_ = false, watchdog_due_ = false, has_watchdog_ = false;
   bool initialising_ = false; // the automatic initialisation moves the handle

@@ -14,7 +14,7 @@ std::vector<const char*> file_names() {
 #elif defined(__APPLE__)
   return {"libdrd.dylib", "libdhd.dylib"};
 #else
-  return {"libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"}; // libdrd holds libdhd too
+  return {"libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"}; // libdrd contains libdhd
 #endif
 }
 
@@ -36,7 +36,7 @@ std::string DhdLibrary::load() {
            "set TACTUS_LIBDHD to the path of its libdhd";
   }
   if (robot_open_id && robot_close) {
-    open_id = robot_open_id; // as dhdOpenID; the device can then be moved by DRD
+    open_id = robot_open_id; // opens like dhdOpenID, but DRD can then move the device
     close = robot_close;
   }
   return {};

@@ -6,8 +6,9 @@
 
 namespace tactus::devices::force_dimension {
 
-/// Return values of the vendor's functions: below zero is an error; the following are not.
-constexpr int kTimeGuard = 1;      ///< the answer is the last one again: too soon for a new one
+/// Return values of the vendor's functions: negative values are errors; the following values are
+/// not.
+constexpr int kTimeGuard = 1;      ///< called too soon: repeats the last answer
 constexpr int kMotorSaturated = 2; ///< the force was applied, but smaller than requested
 
 /// Indices into the array that dhdGetStatus fills; newer libraries fill more of them.
@@ -70,7 +71,7 @@ public:
   Function<int()> expert_mode{library_, "dhdEnableExpertMode", kOptional};
   Function<int()> ordinary_mode{library_, "dhdDisableExpertMode", kOptional};
   Function<int(unsigned char steps, char id)> set_watchdog{library_, "dhdSetWatchdog",
-                                                           kOptional}; // of 125 us
+                                                           kOptional}; // in steps of 125 us
   Function<int(double newton, char id)> set_max_force{library_, "dhdSetMaxForce", kOptional};
   // Only in libdrd:
   Function<int(char index)> robot_open_id{library_, "drdOpenID", kOptional};
@@ -79,8 +80,9 @@ public:
   Function<int(char id)> auto_init{library_, "drdAutoInit", kOptional};
   Function<int(bool motors_on, char id)> robot_stop{library_, "drdStop", kOptional};
 
-  /// Empty when every function that must be there is; else what is missing and what to do. The
-  /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.
+  /// Returns an empty text if every required function was found; else a sentence about what is
+  /// missing and what to do. The environment variable TACTUS_LIBDHD names the file; without it the
+  /// usual names are tried.
   [[nodiscard]] std::string load();
 };
 

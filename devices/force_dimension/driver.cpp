@@ -9,8 +9,8 @@ std::string problem() {
   return library.load();
 }
 
-/// Counts the devices without opening them. While a device is open the library is not called: the
-/// list then holds the open devices only; others appear once these are closed.
+/// Counts the devices without opening them. While a device is open, this function does not call the
+/// library. The list then contains only open devices; others appear once these are closed.
 std::vector<Found> list() {
   std::vector<Found> all;
   for (Opened& device : open_devices("dhd"))

@@ -6,8 +6,9 @@ namespace tactus::devices::force_dimension {
 namespace {
 
 // Forces, torques, stiffness, damping and radius: CHAI3D 3.2, CDeltaDevices; types of the newer
-// 3-axis models: the SDK's public bindings. sigma.3, which CHAI3D does not list, has the figures of
-// sigma.7; lambda, of which no figure is public, the smallest of all that have such motors.
+// 3-axis models: the SDK's public bindings. CHAI3D does not list sigma.3, which has the figures of
+// sigma.7. No figure of lambda is public; it has the smallest figures of all models with such
+// motors.
 constexpr Model kModels[] = {
     {33, "omega.3", 12, 5000, 30, 0.075},           {34, "omega.6", 12, 5000, 30, 0.075},
     {36, "omega.6", 12, 5000, 30, 0.075},           {35, "omega.7", 12, 5000, 30, 0.075, 0, 8},

@@ -10,15 +10,15 @@
 
 namespace tactus::devices::force_dimension {
 
-/// Ends the force of a servo that stalls, for a controller without a watchdog of its own: a thread
-/// that calls end_force again and again while the servo has not been between enter() and leave()
-/// for 50 ms. The vendor's functions are never called by both at once. A servo that hangs inside
-/// one of them cannot be helped from here.
+/// Ends the force of a servo that stalls, for a controller without a watchdog: a thread calls
+/// end_force repeatedly while the servo has not been between enter() and leave() for 50 ms. Guard
+/// and servo never call the vendor's functions at the same time. So the guard cannot help a servo
+/// that hangs inside such a call.
 class StallGuard {
 public:
   ~StallGuard() { stop(); }
 
-  /// Empty, else a sentence.
+  /// Returns an empty text, or a sentence if no thread can start.
   [[nodiscard]] std::string start(void (*end_force)(void* context) noexcept, void* context) {
     stop();
     stopping_ = false;
@@ -36,8 +36,8 @@ public:
       thread_.join();
   }
 
-  /// For the servo, round its calls. False while the guard itself is calling: this tick has no
-  /// device.
+  /// The servo calls it before its calls of the library and leave() after them. False while the
+  /// guard calls the library; the servo then skips the device in this tick.
   [[nodiscard]] bool enter() noexcept { return !busy_.exchange(true, std::memory_order_acquire); }
   void leave() noexcept {
     seen_s_.store(haptic::ForceTimeout::now_s(), std::memory_order_relaxed);

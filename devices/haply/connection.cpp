@@ -21,7 +21,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kAnswer_s = 0.5, kSetUp_s = 0.5;
 constexpr double kFirstPause_s = 0.05, kMaxPause_s = 2;
-constexpr double kTimeout_s = 4, kPoll_s = 0.02; // in open()
+constexpr double kTimeout_s = 4, kPoll_s = 0.02; // for open()
 constexpr int kTriesBeforeRefusal = 4;
 constexpr int kMaxBadMessages = 50;
 
@@ -72,7 +72,7 @@ void Connection::close() noexcept {
   if (!thread_.joinable())
     return;
   leaving_ = true;
-  // Zero force is one message and its answer; for a service that hangs the wait ends after 100 ms.
+  // Waits until zero force is sent and answered; if the service hangs, the wait ends after 100 ms.
   for (int waited_ms = 0; waited_ms < 100 && leaving_; ++waited_ms)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   stop_ = true;
@@ -170,7 +170,8 @@ bool Connection::take(const Message& message) {
     workspace_ = *found->workspace;
   if (found->mount)
     mount_ = *found->mount;
-  // The workspace transform is undone, and the mount's scale; its turn and origin are wanted.
+  // Undoes the workspace transform and the mount's scale, but keeps the mount's rotation and
+  // origin.
   Transform mount_scale;
   mount_scale.scale = mount_.scale;
   const bool valid = workspace_.valid() && mount_.valid();
@@ -199,8 +200,8 @@ Vec3 Connection::next_force() noexcept {
 }
 
 /// Requests the preset and the axes and waits until the service's configuration shows both. A
-/// service without presets leaves the origin in the device's base; it is an older version, which
-/// takes the force under another key.
+/// service without presets leaves the origin in the device's base. Such a service is an older
+/// version, which expects the force under another key.
 std::string Connection::set_up(Socket& socket) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kSetUp_s));
   is_centred_ = false;
@@ -258,7 +259,7 @@ std::string Connection::run_session(Socket& socket) {
     garbage = message ? 0 : garbage + 1;
     if (garbage >= kMaxBadMessages)
       return "Haply's service has stopped sending JSON: restart it";
-    if (message && take(*message)) { // if unplugged, the sample ages and the servo reports it
+    if (message && take(*message)) { // without one, the servo reports that the sample is too old
       if (!reported)
         set_trouble(Phase::kRunning, "");
       reported = true;

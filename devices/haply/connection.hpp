@@ -26,44 +26,46 @@ struct Address {
 
 struct Settings {
   Address address;
-  std::string device; ///< an index or the service's device_id; empty is the first
+  std::string device; ///< an index or the service's device_id; empty for the first device
   double rate_hz = 1000;
 };
 
 /// The newest state of the device.
 struct Sample {
-  haptic::State state{}; ///< position of the handle in m; its origin: Connection::centred()
-  double time_s = -1e9;  ///< of its arrival, ServoThread's clock
+  haptic::State state{}; ///< position of the handle in m; origin as centred() reports
+  double time_s = -1e9;  ///< time of arrival, on ServoThread's clock
   bool calibrated = false;
 };
 
-/// Connection to Haply's service, in its own thread: one message and one answer a millisecond. It
+/// Connection to Haply's service, in its own thread: one message and one answer per millisecond. It
 /// exchanges states and forces with the servo's thread through two mailboxes; the servo touches no
-/// socket and no JSON. When the service ends, it reconnects: at first after 50 ms, later every 2 s.
+/// socket and no JSON. If the service ends, the thread reconnects, at first after 50 ms, later
+/// every 2 s.
 class Connection {
 public:
   ~Connection() { close(); }
 
-  /// Waits for the first state of the wanted device; empty, else what to do.
+  /// Waits for the first state of the requested device. Returns an empty text, or what to do.
   [[nodiscard]] std::string open(const Settings& settings);
-  /// Any thread: ends an open() that waits, soon.
+  /// From any thread: soon ends an open() that waits.
   void cancel() noexcept { cancelled_ = true; }
   /// Sends zero force and ends the thread.
   void close() noexcept;
 
-  /// Servo's thread.
+  /// For the servo's thread.
   [[nodiscard]] const Sample& newest() noexcept {
     samples_.read();
     return samples_.latest();
   }
-  /// Servo's thread. N, project frame; a force that is not written again ends (force_timeout.hpp).
+  /// For the servo's thread: a force in N, project frame. A force that is not written again ends
+  /// (force_timeout.hpp).
   void ask(const Vec3& force_n) noexcept { forces_.write(force_n); }
 
-  /// Any thread that may wait.
+  /// For any thread that may wait.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] DeviceState device_state() const;
-  /// True if the service put the origin of positions into the middle of the workspace; else it is
-  /// at the device's base.
+  /// True if the service put the origin of positions into the middle of the workspace, false if the
+  /// origin is at the device's base.
   [[nodiscard]] bool centred() const noexcept { return is_centred_; }
 
 private:
@@ -86,7 +88,7 @@ private:
 
   std::atomic<bool> is_centred_{false};
 
-  // The connection's thread
+  // Used by the connection's thread.
   std::string device_id_;
   Sample sample_{};
   Transform workspace_{}, mount_{};

@@ -13,14 +13,15 @@ using haptic::State;
 struct Limits {
   double peak_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
 };
-// The maker's CHAI3D fork has these figures, for a pantograph (HaplyHaptics/chai3d,
-// src/devices/CHaplyDevices.cpp). Another's has 10 N, 1000 N/m, 6 N s/m, 0.15 m for the Inverse3
-// (jashenlow/chai3d_haply), with no word of where from: the lower ones hold.
+// The maker's CHAI3D fork gives these figures for a pantograph (HaplyHaptics/chai3d,
+// src/devices/CHaplyDevices.cpp). Another fork gives 10 N, 1000 N/m, 6 N s/m, 0.15 m for the
+// Inverse3 (jashenlow/chai3d_haply) without a source, so the lower figures are used.
 constexpr Limits kInverse3{5, 300, 2, 0.1};
-// No figure in newtons was found for the Minverse: careful, with the working sphere of the maker's
-// pages.
+// No force limit in newtons was found for the Minverse. These figures are cautious; the radius is
+// that of the working sphere on the maker's pages.
 constexpr Limits kMinverse{4, 300, 2, 0.04};
-// No continuous force was found for either: the share of a Touch, 0.88 N of 3.3 N, rounded down.
+// No continuous force was found for either device, so it has the share of a Touch, 0.88 N of 3.3 N,
+// rounded down.
 constexpr double kContinuousShare = 0.25;
 // Position of the handle in the vendor's examples, for a service without presets: in front of and
 // above the mounting plate. The service's axes, m.
@@ -81,8 +82,8 @@ std::string Device::open() {
   caps_.workspace_max = centre + Vec3{1, 1, 1} * limits.radius_m;
   last_position_ = centre;
   caps_.rate_hz = settings.rate_hz;
-  // A message carries a force to the service, its answer a state; the force computed from that
-  // state is sent with the next message. The delay of the service itself is unknown.
+  // A message carries a force to the service; its answer carries a state. The force computed from
+  // that state is sent with the next message. The delay of the service itself is unknown.
   caps_.latency_ticks = 1;
   caps_.has_velocity = caps_.has_buttons = caps_.has_rotation = caps_.needs_home = true;
   identity_ = {"Haply", seen.type.empty() ? "inverse3" : seen.type, seen.id};

@@ -28,7 +28,7 @@ private:
   Connection connection_;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
-  Vec3 last_position_{}; // m; the servo's thread
+  Vec3 last_position_{}; // m; used by the servo's thread
   std::atomic<bool> calibrated_{true};
 
   std::mutex settings_mutex_;

@@ -48,7 +48,7 @@ std::optional<Vec3> placed(const Json& state, const char* name) {
   return v ? std::optional(to_project(*v)) : std::nullopt;
 }
 
-/// Missing parts have the identity's values: the service omits them.
+/// Parts that the service omits have the values of the identity.
 std::optional<Transform> placement(const Json* object) {
   if (!object || !object->is_object())
     return {};

@@ -27,12 +27,12 @@ struct DeviceState {
 /// A message of the service.
 struct Message {
   std::vector<DeviceState> devices;
-  std::optional<std::uint32_t> buttons; ///< of a VerseGrip, when there is one
+  std::optional<std::uint32_t> buttons; ///< of a VerseGrip, if there is one
   std::optional<Vec3> rotation;         ///< of a VerseGrip: axis times angle, rad
 };
 
-/// Reads a message of the service. Nothing when the text is no JSON object. Numbers that are not
-/// finite are left out.
+/// Reads a message of the service. Returns nullopt if the text is not a JSON object. Numbers that
+/// are not finite are left out.
 [[nodiscard]] std::optional<Message> parse(std::string_view text);
 
 /// The preset that puts the origin into the middle of the workspace, and the service's own axes.
@@ -50,8 +50,8 @@ enum class ForceKey { kVector, kBoth };
 /// The first message of a session: this client's name, the axes and the preset, and zero force
 /// under both keys.
 [[nodiscard]] std::string first_message(std::string_view device_id);
-/// Sets zero force under both keys and requests an answer that contains the configuration. With
-/// basis: sets the axes again, since a preset may have set its own.
+/// Sets zero force under both keys and requests an answer that contains the configuration. If basis
+/// is true, it sets the axes again, since a preset may have changed them.
 [[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
 /// Vectors between the service's axes (x right, y forward, z up) and the project's.

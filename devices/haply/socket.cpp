@@ -22,8 +22,8 @@ using asio::ip::tcp;
 
 namespace {
 
-/// The look-up of a host's name, which cannot be interrupted: it runs in a thread of its own, which
-/// keeps this alive and may outlive the caller.
+/// Looks up a host's name. A look-up cannot be interrupted, so it runs in a separate thread, which
+/// keeps this object alive and may outlive the caller.
 struct Lookup {
   std::atomic<bool> done{false};
   Error error;
@@ -137,7 +137,7 @@ void Socket::close() noexcept {
     wire.shutdown(tcp::socket::shutdown_both, ignored);
     wire.close(ignored);
     p.stream.reset();
-  } catch (...) { // no memory: the system closes the socket with the program
+  } catch (...) { // no memory: the system closes the socket when the program ends
   }
 }
 

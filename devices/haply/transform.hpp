@@ -26,7 +26,8 @@ struct Transform {
   }
   /// R v.
   [[nodiscard]] Vec3 rotated(const Vec3& v) const noexcept { return pose.rotation.rotated(v); }
-  /// A position of the application's space as the device's own: metres of the handle.
+  /// Converts a position from the application's space to the device's, where it is the handle's in
+  /// m.
   [[nodiscard]] Vec3 point(const Vec3& p) const noexcept { return unscaled(pose.to_local(p)); }
   /// Converts a velocity from the application's space to the device's.
   [[nodiscard]] Vec3 motion(const Vec3& v) const noexcept {

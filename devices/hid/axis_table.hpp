@@ -17,8 +17,8 @@ struct AxisTable {
   std::array<Source, 6> rows{};
 
   /// HID's axes are X right, Y towards the user, Z down, so the project's x, y, z are X, -Z, Y. A
-  /// device without Z uses its slider for the height.
-  /// early: a device whose axes are right, up, away (is_early_space_mouse).
+  /// device without Z uses its slider for the height. early: the device's axes point right, up and
+  /// away from the user (is_early_space_mouse).
   [[nodiscard]] static AxisTable default_for(std::uint32_t axes, bool early = false) noexcept;
   /// Reads rows "x -Z", "rz Ry", "y none", # comments; axes without a row keep their mapping.
   /// Returns an empty text, or a sentence if the text is refused; the table is then unchanged.
@@ -28,7 +28,7 @@ struct AxisTable {
   [[nodiscard]] Vec3 rotation(const Knob& knob) const noexcept;
 };
 
-/// 0 below the dead zone, from there straight to 1 at full deflection.
+/// Returns 0 within the dead zone; beyond it the result rises linearly to 1 at full deflection.
 [[nodiscard]] double apply_dead_zone(double share, double dead_zone) noexcept;
 
 } // namespace tactus::devices::hid

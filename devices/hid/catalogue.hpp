@@ -14,16 +14,16 @@ struct Entry {
   std::string path;
   haptic::Identity identity;
   std::uint16_t vendor = 0, product = 0;
-  bool space_mouse = false; ///< decode as one: a six-axis controller by its usage or its known id
-  std::string problem;      ///< empty when it can be opened
+  bool space_mouse = false; ///< a six-axis controller, by its usage or known id
+  std::string problem;      ///< empty if the device can be opened
 };
 
-/// The product ids of six-axis controllers, for a transport that does not tell the usage.
+/// The product ids of six-axis controllers, for a transport that does not report the usage.
 [[nodiscard]] bool is_known_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
 
-/// The early ones whose axes are right, up, away from the user; those of all others are right,
-/// towards the user, down. They are the devices of spacenavd's table (src/dev.c, usbdb) without the
-/// flags DF_SWAPYZ and DF_INVYZ.
+/// True for an early six-axis controller, whose axes point right, up and away from the user. The
+/// axes of all others point right, towards the user and down. The early controllers are those of
+/// spacenavd's table (src/dev.c, usbdb) without the flags DF_SWAPYZ and DF_INVYZ.
 [[nodiscard]] bool is_early_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
 
 /// Six-axis controllers first, then joysticks and game pads. With `all`, every HID.

@@ -26,7 +26,7 @@ public:
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override;
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  /// Accepted and without effect: there are no motors.
+  /// Accepts the force without effect, because there are no motors.
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override;
@@ -44,7 +44,7 @@ private:
   [[nodiscard]] std::string set_number(const std::string& name, const std::string& text);
   [[nodiscard]] std::string set_name(const std::string& name, const std::string& value);
 
-  mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
+  mutable std::mutex mutex_; // guards the next two; held briefly, never in the servo
   Settings settings_;
   haptic::Identity identity_;
 
@@ -67,7 +67,7 @@ private:
 
   // Used by the servo's thread.
   Vec3 position_{};
-  haptic::LinearGlide glide_; // of deflection as position
+  haptic::LinearGlide glide_; // interpolates a deflection used as position
   double time_s_ = 0;
   bool begun_ = false;
 };

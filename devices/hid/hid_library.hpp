@@ -27,13 +27,14 @@ public:
   Function<decltype(hid_close)> close{library_, "hid_close"};
   Function<decltype(hid_read_timeout)> read_timeout{library_, "hid_read_timeout"};
   Function<decltype(hid_write)> write{library_, "hid_write"};
-  /// Since hidapi 0.14, else null.
+  /// Null before hidapi 0.14.
   Function<int(hid_device*, unsigned char*, std::size_t)> get_report_descriptor{
       library_, "hid_get_report_descriptor", kOptional};
   bool hidraw = false;
 
-  /// The library of that transport, kAny: hidraw if it is there. It stays loaded, since
-  /// unloading would end every open device. Null, with a sentence in `problem`, on failure.
+  /// The library of that transport; kAny prefers hidraw if it is installed. The library stays
+  /// loaded, since unloading would end every open device. On failure returns null and puts a
+  /// sentence into `problem`.
   [[nodiscard]] static HidLibrary* get(Transport transport, std::string& problem);
 
 private:

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3, kBattery = 0x17;
 constexpr std::size_t kThreeAxes = 7, kSixAxes = 13; // bytes, the id included
-constexpr std::size_t kMaxPadded = 16;               // with padding
-constexpr double kMinScale = 100, kMaxScale = 2000;  // a description outside is ignored
+constexpr std::size_t kMaxPadded = 16;               // bytes, with padding
+constexpr double kMinScale = 100, kMaxScale = 2000;  // descriptions with another scale are ignored
 
 double number(std::span<const std::uint8_t> report, std::size_t at) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(report[at] | report[at + 1] << 8));

@@ -6,14 +6,14 @@
 #include <cstdint>
 #include <span>
 
-/// From input reports to the deflections of six axes.
+/// Converts input reports to the deflections of six axes.
 namespace tactus::devices::hid {
 
 constexpr std::size_t kAxes = 9; ///< X Y Z Rx Ry Rz Slider Dial Wheel, in the order of their usages
 
 /// The newest known state of the axes and buttons.
 struct Knob {
-  std::array<double, kAxes> share{}; ///< of full deflection, -1..1
+  std::array<double, kAxes> share{}; ///< relative to full deflection, -1..1
   std::uint32_t buttons = 0;
   int battery_percent = -1; ///< -1: not reported
 };
@@ -24,7 +24,7 @@ public:
   /// For the SpaceMouse family: the length of a report determines its content, since devices
   /// deviate from their descriptors. The full scale is taken from the descriptor if it has one.
   [[nodiscard]] static Decoder space_mouse(const ReportDescriptor& description);
-  /// For all other devices: by their description.
+  /// For all other devices, decoded by their description.
   [[nodiscard]] static Decoder described(const ReportDescriptor& description);
 
   /// True if the report changed the knob's state.

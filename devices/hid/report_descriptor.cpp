@@ -8,7 +8,7 @@
 namespace tactus::devices::hid {
 namespace {
 
-constexpr std::uint32_t kMaxBits = 8 * 4096; // of a report
+constexpr std::uint32_t kMaxBits = 8 * 4096; // maximum size of a report
 constexpr std::size_t kMaxFields = 256, kMaxUsages = 256, kMaxStackDepth = 8;
 constexpr std::uint8_t kLongItem = 0xfe;
 
@@ -61,7 +61,7 @@ public:
   }
 
 private:
-  // The item's length, 0 when it is cut short.
+  // Returns the item's length, 0 if the item is cut short.
   static std::size_t read_item(std::span<const std::uint8_t> bytes, Item& item) {
     if (bytes[0] == kLongItem) {
       const std::size_t length = bytes.size() < 2 ? 0 : std::size_t{3} + bytes[1];
@@ -134,7 +134,7 @@ private:
   }
 
   void take_local(const Item& item) {
-    // A usage of four bytes brings its own page.
+    // A usage of four bytes contains its own page.
     const std::uint32_t usage = item.bytes == 4
                                     ? item.unsigned_value
                                     : item.unsigned_value | std::uint32_t{now_.page} << 16;
@@ -206,7 +206,7 @@ private:
   std::vector<Globals> stack_;
   std::vector<std::uint32_t> usages_;
   std::uint32_t range_low_ = 0;
-  std::array<std::uint32_t, 256> ends_{}; // bits of each report so far
+  std::array<std::uint32_t, 256> ends_{}; // bits that each report has so far
 };
 
 } // namespace

@@ -33,8 +33,8 @@ struct Field {
   std::uint16_t page = 0, usage = 0;
   std::int32_t low = 0, high = 0; ///< logical range
   bool relative = false;
-  bool nullable = false; ///< a value outside the range says "nothing" (null state)
-  bool choice = false; ///< the value is the number of a button that is down: usage counts from low
+  bool nullable = false; ///< a value outside the range means "no value" (null state)
+  bool choice = false;   ///< the value is the number of a pressed button, counted from `low`
 };
 
 struct ReportDescriptor {
@@ -48,9 +48,10 @@ struct ReportDescriptor {
 /// Accepts any bytes: a truncated, contradictory or absurdly large item ends the reading.
 [[nodiscard]] ReportDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
-/// The field's value in a report (with its id byte, if numbered); false when the report is another
-/// one or too short, or the value says nothing: outside the logical range of a field with a null
-/// state (section 6.2.2.5) or of a choice. Any other value outside is the end of the range.
+/// Reads the field's value from a report (with its id byte, if numbered). Returns false if the
+/// report has another id or is too short. Also false for a value outside the logical range if the
+/// field is a choice or has a null state (section 6.2.2.5); for any other field, such a value is
+/// limited to the range.
 [[nodiscard]] bool extract(std::span<const std::uint8_t> report, const Field& field,
                            std::int32_t& value) noexcept;
 

@@ -18,7 +18,8 @@ using Milliseconds = std::chrono::milliseconds;
 
 constexpr int kCalibrationCheck_ticks = 256;
 constexpr int kErrorHold_ticks = 500;
-constexpr int kSettling_ticks = 50; // of the library's velocity after a calibration; our guess
+constexpr int kSettling_ticks = 50; // time until the velocity settles after a calibration;
+                                    // estimated
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
 constexpr int kPoll_ms = 20; // interval at which a cancelled opening is detected
@@ -90,7 +91,7 @@ std::string Device::configure(std::span<const std::string> words) {
 
 std::string Device::try_names(const std::string& requested) {
   std::vector<const char*> names{"Default Device", "Default PHANToM", nullptr};
-  if (!requested.empty()) // never another device instead
+  if (!requested.empty()) // never opens another device instead
     names = {requested.c_str()};
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
@@ -103,7 +104,7 @@ std::string Device::try_names(const std::string& requested) {
       handle_ = library_.init_device(name);
       error = library_.take_errors();
       if (handle_ != kNoDevice && is_open("openhaptics", std::to_string(handle_))) {
-        handle_ = kNoDevice; // it belongs to another object, which keeps it
+        handle_ = kNoDevice; // another object owns the device and keeps it open
         return "openhaptics: the device is already open in this program: close it there";
       }
       if (handle_ != kNoDevice && error == kSuccess)
@@ -198,8 +199,9 @@ void Device::halt() noexcept {
   if (!running_)
     return;
   stopping_ = true;
-  // The scheduler's last call sends zero force; a scheduler that has died never makes it, so the
-  // wait for it is limited. A step that is running is waited for in any case: its time is bounded.
+  // The scheduler's last call sends zero force. A scheduler that has died never makes that call, so
+  // the wait for it is limited. The wait for a step in progress needs no limit, because a step's
+  // time is bounded.
   for (int waited_ms = 0; waited_ms < 100 && !finished_; ++waited_ms)
     std::this_thread::sleep_for(Milliseconds(1));
   while (stepping_)
@@ -249,7 +251,7 @@ void Device::update_calibration_status() noexcept {
     update_calibration(requested);
     calibration_ = library_.check_calibration();
     if (requested && was_calibrated && calibration_ == kCalibrated) {
-      calibration_ = kCalibrationNeedsUpdate; // for a tick: the origin may have changed
+      calibration_ = kCalibrationNeedsUpdate; // for one tick, since the origin may have changed
       until_calibration_check_ = 1;
     }
   }
@@ -296,12 +298,13 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   library_.get_integers(kButtons, &buttons);
   state.position = Vec3{position_mm[0], position_mm[1], position_mm[2]} * 1e-3;
   state.velocity = Vec3{velocity_mm_per_s[0], velocity_mm_per_s[1], velocity_mm_per_s[2]} * 1e-3;
-  // The library's estimate still has the leap of the calibration in it.
+  // For some ticks the library's velocity still contains the jump of the calibration.
   calibrated_ticks_ =
       calibration_ == kCalibrated ? std::min(calibrated_ticks_ + 1, kSettling_ticks) : 0;
   if (calibrated_ticks_ < kSettling_ticks)
     state.velocity = {};
-  // The vendor counts right, down and clockwise as positive: each is a negative turn in our frame.
+  // The vendor counts turns to the right, down and clockwise as positive. Each is a negative turn
+  // in our frame.
   state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
   state.buttons = static_cast<std::uint32_t>(buttons);
   state.flags = calibration_ == kCalibrated ? State::kHomed : 0u;
@@ -309,7 +312,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const Code error = error_;
   if (force_off_)
     state.flags |= State::kFault;
-  if (warm_ticks_left_ > 0) // also while a worse error is reported
+  if (warm_ticks_left_ > 0) // set even while a worse error is reported
     state.flags |= State::kMotorsHot;
   if (error == kTooMuchForce)
     state.flags |= State::kForceLimited;

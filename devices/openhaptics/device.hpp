@@ -12,13 +12,13 @@ namespace tactus::devices::openhaptics {
 /// A PHANTOM or Touch of 3D Systems through the vendor's OpenHaptics library (HDAPI). The vendor's
 /// scheduler owns the servo thread: run() registers a callback in which the servo's step runs,
 /// between the begin and the end of a frame. Force stays zero until the device is calibrated. After
-/// an error that switches force off, force returns when zero has been requested for 0.2 s.
+/// an error that switches force off, force returns once zero has been requested for 0.2 s.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
-  /// Between two calls of the vendor's library; a call that hangs is not ended.
+  /// Takes effect between two calls of the vendor's library; it does not end a call that hangs.
   void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
@@ -54,7 +54,7 @@ private:
   std::mutex settings_mutex_;
   std::string requested_name_;
 
-  // The scheduler's thread
+  // Used by the scheduler's thread.
   void (*step_)(void*) = nullptr;
   void* context_ = nullptr;
   SchedulerHandle scheduled_ = 0;
@@ -63,8 +63,8 @@ private:
   int error_ticks_left_ = 0, warm_ticks_left_ = 0, error_free_ticks_ = 0;
   bool force_off_ = false;
   Vec3 last_position_{};
-  Vec3 torque_n_m_{};          // of the next write
-  bool torque_driven_ = false; // since the opening; then zero is sent, too
+  Vec3 torque_n_m_{};          // for the next write
+  bool torque_driven_ = false; // driven since the opening; if true, zero is sent too
 
   // Shared by the scheduler's thread and others.
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};

@@ -13,7 +13,7 @@ std::string problem() {
   return library.load();
 }
 
-/// Whether one of the vendor's USB devices is plugged in. Older ones use FireWire or Ethernet.
+/// Whether one of the vendor's USB devices is plugged in. Older devices use FireWire or Ethernet.
 bool seen_on_usb() {
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/usb/devices", failed)) {

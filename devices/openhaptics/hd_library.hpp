@@ -31,7 +31,7 @@ enum Ability : Code {
   kForceRamping = 0x4002,
 };
 
-/// Values that can be read, and some set.
+/// Values that can be read; some can also be set.
 enum Value : Code {
   kButtons = 0x2000,
   kPosition = 0x2050,     ///< mm
@@ -41,8 +41,8 @@ enum Value : Code {
   kVendor = 0x2503,
   kSerialNumber = 0x2504,
   kMaxWorkspace = 0x2550,    ///< 6 values: smallest x y z, largest x y z, mm
-  kUsableWorkspace = 0x2551, ///< the same, of the box inside which force is dependable
-  kOutputAxes = 0x2554,      ///< motors: 3, or 6 with torque
+  kUsableWorkspace = 0x2551, ///< likewise, for the box in which the force is reliable
+  kOutputAxes = 0x2554,      ///< number of motors: 3, or 6 with torque
   kCalibrationStyle = 0x2555,
   kNominalMaxStiffness = 0x2602,       ///< N/mm
   kNominalMaxForce = 0x2603,           ///< N
@@ -116,8 +116,8 @@ public:
   /// are tried.
   [[nodiscard]] std::string load();
 
-  /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if
-  /// given, becomes true when warm motors were among them.
+  /// Removes all stored errors, oldest first, and returns the most serious one. Sets *warm, if
+  /// given, to true if warm motors were among them.
   [[nodiscard]] Code take_errors(bool* warm = nullptr) const noexcept;
 };
 

@@ -13,7 +13,7 @@ struct Model {
 };
 
 // CHAI3D 3.2, CPhantomDevices; the continuous force ("exertable for 24 hours") from the maker's
-// specification sheets of the models. The first word that is found counts.
+// specification sheets of the models. The first row whose word is in the model's name applies.
 constexpr Model kModels[] = {
     {"premium 3", 22.0, 3.0, 1000.0, 5.0, 0.25}, {"premium", 8.5, 1.4, 800.0, 5.0, 0.12},
     {"desktop", 7.9, 1.75, 1000.0, 5.0, 0.10},   {"omni", 3.3, 0.88, 700.0, 5.0, 0.10},
@@ -21,10 +21,10 @@ constexpr Model kModels[] = {
 };
 constexpr Model kUnknown{"", 3.3, 0.88, 400.0, 4.0, 0.075};
 
-// For the Premiums with six motors; value of CHAI3D.
+// For the Premium models with six motors; CHAI3D's value.
 constexpr double kTorque_n_m = 0.188;
 
-// A position step of 450 a inch, the coarsest of the family.
+// A position step at 450 steps per inch, the coarsest of the family.
 constexpr double kStep_m = 0.0254 / 450;
 
 bool contains(std::string_view name, std::string_view word) noexcept {

@@ -11,7 +11,7 @@
 #include <span>
 
 namespace tactus {
-/// [contact_friction~]: a surface rubs a body of some modes (core/contact/excited_body.hpp).
+/// [contact_friction~]: a surface rubs a body of several modes (core/contact/excited_body.hpp).
 class ContactFriction {
 public:
   static const Declaration declaration;
@@ -45,7 +45,7 @@ public:
 
 private:
   struct Rows;
-  static constexpr double kGain = 3, kBodyMass = 0.05; ///< initially: s/m, kg
+  static constexpr double kGain = 3, kBodyMass = 0.05; ///< initial values in s/m and kg
 
   [[nodiscard]] const contact::FrictionLaw& law() const noexcept { return law_; }
   void take_law(const contact::FrictionLaw& law) noexcept {

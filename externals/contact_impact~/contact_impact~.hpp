@@ -15,7 +15,7 @@
 
 namespace tactus {
 
-/// [contact_impact~]: a mass strikes a body of some modes (core/contact/excited_body.hpp).
+/// [contact_impact~]: a mass strikes a body of several modes (core/contact/excited_body.hpp).
 class ContactImpact {
 public:
   static const Declaration declaration;
@@ -63,7 +63,7 @@ private:
     double gap_m, velocity_m_per_s;
   };
   static constexpr std::size_t kImpactOutlet = 2;
-  static constexpr double kGain = 5, kBodyMass = 0.3; ///< initially: s/m, kg
+  static constexpr double kGain = 5, kBodyMass = 0.3; ///< initial values in s/m and kg
 
   void update_law() noexcept { body_.set_impact(0, law_, mass_kg_); }
   [[nodiscard]] unsigned seed() const noexcept { return seed_; }
@@ -85,7 +85,7 @@ private:
     last_ = {1e-3 * words[0].number, 0};
     launch();
   }
-  /// The last strike or drop, with its scatter.
+  /// Performs the last strike or drop, with random scatter.
   void launch() {
     const double factor =
         variation_ > 0 ? contact::StrikeScatter::draw(variation_, 0, random_).speed_factor : 1;
@@ -101,8 +101,8 @@ private:
   contact::ImpactLaw law_;
   double mass_kg_ = 0.02, gravity_m_per_s2_ = 0, variation_ = 0;
   unsigned seed_ = 1;
-  Launch last_{0, 1}; // before variation
-  Random random_;     // of variation
+  Launch last_{0, 1}; // values before variation
+  Random random_;     // for variation
   std::size_t reported_ = 0;
 };
 

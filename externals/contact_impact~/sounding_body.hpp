@@ -57,7 +57,7 @@ public:
   /// Gain of the sound; changes are smoothed while the body sounds.
   void set_gain(double gain) noexcept { gain_ = gain; }
   [[nodiscard]] double gain() const noexcept { return gain_; }
-  /// The sound of a velocity of the body, within +-1.
+  /// Converts a velocity of the body to the sound, within +-1.
   template <class S>
   void make_sound(std::span<const double> velocity, std::span<S> sound) noexcept {
     for (std::size_t n = 0; n < sound.size(); ++n) {

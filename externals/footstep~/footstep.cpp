@@ -26,7 +26,7 @@ double rounded(double x) noexcept {
 constexpr double kFullScale = 2;                      // Pa at gain 1
 constexpr double kGainTime = 0.01, kFadeTime = 0.005; // s
 
-/// False unless all words are finite numbers.
+/// Returns false unless all words are finite numbers.
 bool numbers_of(std::span<const Atom> words, std::vector<double>& numbers) {
   for (const Atom& word : words) {
     if (word.is_word || !std::isfinite(word.number))

@@ -47,7 +47,7 @@ public:
 
 private:
   static constexpr std::array<std::string_view, 2> kSideNames{"left", "right"};
-  static constexpr std::size_t kMaxEvents = 64; ///< between two reports
+  static constexpr std::size_t kMaxEvents = 64; ///< maximum between two reports
   struct Event {
     std::size_t foot;
     Phase phase;
@@ -56,7 +56,7 @@ private:
   struct Side {
     Foot foot;
     SoleSensor sensor;
-    double heel_squares = 0, ball_squares = 0; ///< actuator signals' squares since the last dump
+    double heel_squares = 0, ball_squares = 0; ///< sums of squares since the last dump
     std::shared_ptr<const Surface> first, second;
   };
   /// The last sample before a reset, which fades out.
@@ -109,7 +109,7 @@ private:
   /// The foot that the first word names, if any.
   [[nodiscard]] static std::optional<std::size_t>
   side_named(std::span<const Atom> arguments) noexcept;
-  /// Alternates between the feet; always the left one with feet 1.
+  /// Returns the feet in turn; with `feet 1` always the left foot.
   std::size_t next_side() noexcept;
   [[nodiscard]] bool walks() const noexcept { return settings_.walk; }
   void set_walk(bool on) noexcept;
@@ -137,7 +137,7 @@ private:
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
   Fade fade_;
-  double second_foot_ = 0;              ///< gain before the cosine: 0 off, 1 on, between: fading
+  double second_foot_ = 0;              ///< gain before the cosine: 0 off, 1 on, else fading
   double gain_ = 1, smoothed_gain_ = 1; ///< smoothed while something sounds
   std::size_t next_foot_ = 0;           ///< for messages that name no foot
   std::array<Event, kMaxEvents> events_{};

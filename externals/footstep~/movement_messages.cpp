@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-// The messages turn, jump, scuff and drag, and which foot a message is for.
+// The messages turn, jump, scuff and drag, and the choice of a message's foot.
 
 namespace tactus::footstep {
 namespace {

@@ -30,8 +30,8 @@ struct Surface {
 /// search path.
 class SurfaceStore {
 public:
-  /// Null after one error if the name is unknown or its recipe has a mistake. Reads a file: not for
-  /// the audio path.
+  /// Returns null after one error if the name is unknown or its recipe has a mistake. It reads a
+  /// file, so it is not for the audio path.
   std::shared_ptr<const Surface> find(std::string_view name, Host& host);
   [[nodiscard]] std::shared_ptr<const Surface> built_in(std::string_view name);
 

@@ -19,9 +19,9 @@ namespace tactus {
 /// the force on the hand (core/reed/playability/gradient.hpp, docs/guidance.md).
 class GreedGradient {
 public:
-  /// Initial breath noise, relative to the mouth pressure. A hand raises the pressure slowly, and
-  /// without more noise than greed~ has, notes near their threshold would take too long to start.
-  /// In silence -108 dB.
+  /// Initial breath noise, relative to the mouth pressure. A hand raises the pressure slowly; with
+  /// only greed~'s noise, notes near their threshold would take too long to start. In silence the
+  /// noise is at -108 dB.
   static constexpr double kBreathNoise = 5e-4;
   static const Declaration declaration;
   enum Timer : std::size_t { kStoppedTimer, kGuideTimer };

@@ -10,10 +10,11 @@ namespace tactus::reed {
 namespace {
 
 constexpr std::size_t kNodes = ReedGradient::kGrowthNodes;
-constexpr std::size_t kNodesPerStep = 8; // some 0.4 ms
-constexpr double kNodesPerSecond = 3000; // of sound, in the host's time; some 15 % of a core
+constexpr std::size_t kNodesPerStep = 8; // a step takes about 0.4 ms
+constexpr double kNodesPerSecond = 3000; // second of sound, in the host's time; about 15 % of a
+                                         // core
 constexpr double kReportInterval_s = 0.05;
-constexpr double kMaxWait_s = 0.1; // for the bore to settle, before it is mapped as it is
+constexpr double kMaxWait_s = 0.1; // after that, a bore that has not settled is mapped as it is
 
 } // namespace
 
@@ -64,7 +65,7 @@ bool GuideUpdater::needs_work(const PlaneSettings& target, double elapsed_s,
                                                : !up_to_date_ || in_thread || !worker_.finished() ||
                                                      !reported_ || !thread_error_.empty();
   if (!needed)
-    elapsed_s_ = 0; // portions are of the time in which there is work
+    elapsed_s_ = 0; // only time with work to do counts towards portions
   return needed;
 }
 

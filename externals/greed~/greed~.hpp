@@ -126,7 +126,7 @@ private:
 };
 
 struct Greed::Rows {
-  /// Those of the core; a note that is fingered also ends the message `holes`.
+  /// The core's parameters. Setting `fingering` also ends the message `holes`.
   static constexpr auto parameters = [] {
     auto all = rows_of_field<&Greed::parameters, &Greed::take, reed::kRows>();
     for (Parameter& row : all)

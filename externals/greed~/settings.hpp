@@ -60,8 +60,8 @@ inline void dump_preset(const reed::Parameters& now, Host& host) {
       host.info({"preset", preset.name});
 }
 
-/// with_numerics() of the preset of that name. Reports an error and returns nothing when there is
-/// none.
+/// Returns with_numerics() for the preset of that name. If there is none, reports an error and
+/// returns nullopt.
 [[nodiscard]] inline std::optional<reed::Parameters>
 preset_of(const Atom& name, const reed::Parameters& now, Host& host) {
   const auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
@@ -82,7 +82,7 @@ preset_of(const Atom& name, const reed::Parameters& now, Host& host) {
 }
 
 /// The range p_lo p_hi (Pa) f_lo f_hi (Hz) of the message `range`. Reports an error and returns
-/// nothing unless both pairs increase within their limits.
+/// nullopt unless both pairs increase within their limits.
 [[nodiscard]] inline std::optional<reed::ControlRange> range_of(std::span<const Atom> words,
                                                                 Host& host) {
   constexpr double kHighestPressure = 50e3, kLowestFrequency = 1, kHighestFrequency = 20e3;

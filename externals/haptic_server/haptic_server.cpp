@@ -14,7 +14,7 @@ using net::text_of;
 constexpr double kShortest_s = 5e-4;
 constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kMaxCoordinate_mm = 1e5;
 
-/// Reads numbers of at most 1e5 in magnitude; false if one is a word or beyond that.
+/// Reads numbers of at most 1e5 in magnitude; false if one is a word or larger.
 template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<double, N>& values) {
   for (std::size_t i = 0; i < N; ++i) {
     if (atoms[i].is_word || !(std::abs(atoms[i].number) <= kMaxCoordinate_mm))
@@ -86,8 +86,8 @@ void HapticServerObject::close(Host& host) {
   host.info({"status", "closed"});
 }
 
-/// The patch's clock triggers the servo's steps, but their time is wall-clock time, since clients
-/// run on it.
+/// The patch's clock triggers the servo's steps, but their time is wall-clock time, since the
+/// clients use it.
 void HapticServerObject::tick(std::size_t, Host& host) {
   if (!service_)
     return;

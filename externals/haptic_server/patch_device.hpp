@@ -20,7 +20,7 @@ public:
   }
 
   void set_caps(const haptic::Caps& caps) noexcept { caps_ = caps; }
-  /// m. Before the first position the force is zero.
+  /// Sets the position in m. Before the first position the force is zero.
   void set_position(const Vec3& position) noexcept {
     state_.position = position;
     state_.flags = haptic::State::kHomed;

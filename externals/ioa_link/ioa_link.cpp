@@ -115,7 +115,7 @@ void IoaLink::tick(std::size_t, Host& host) {
   const double now_s = host.now_ms() / kPerSecond;
   const double next_s =
       link_.poll(now_s, [&](const net::BusLink::Delivered& one) { deliver(one, host); });
-  if (link_.open()) // a receiver of the messages may have closed it
+  if (link_.open()) // a receiver of the messages may have closed the link
     host.wake_in(0, std::max(0.0, kPerSecond * (next_s - now_s)));
 }
 

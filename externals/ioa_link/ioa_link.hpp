@@ -31,8 +31,8 @@ private:
   void tell(Host& host);
 
   net::BusLink link_{};
-  double bus_ahead_ms_ = 0; ///< bus time minus the object's
-  double reported_ms_ = 0;  ///< when late messages were last reported
+  double bus_ahead_ms_ = 0; ///< bus time minus the object's time
+  double reported_ms_ = 0;  ///< time of the last report of late messages
   std::uint64_t late_ = 0, late_reported_ = 0;
 };
 

@@ -72,7 +72,8 @@ bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* 
   }
   if (host)
     host->error("rest: " + model.resting_refusal);
-  // Back to the last valid points, if they differ and belong to the same table; else to none.
+  // Restores the last valid points if they differ and belong to the same table; else removes all
+  // points.
   const bool another = same_table && !(last_valid_.rest == rest);
   if (another)
     settings_.rest = last_valid_.rest;

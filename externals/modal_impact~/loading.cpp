@@ -58,10 +58,10 @@ void ModalImpact::carry_out_waiting(Host& host) {
   body_.adopt();
   if (!body_.model() && loads_first())
     return;
-  std::size_t count = 0; // messages whose request has been answered
+  std::size_t count = 0; // number of messages whose request has been answered
   while (count < waiting_count_ && waiting_[count].after <= answered_)
     ++count;
-  if (body_.model()) // else the missing body has been reported
+  if (body_.model()) // without a model, the missing body has been reported already
     for (const WaitingMessage& kept : std::span(waiting_).first(count))
       (this->*kept.carry_out)(std::span(kept.numbers).first(kept.count), host);
   std::move(waiting_.begin() + static_cast<std::ptrdiff_t>(count),

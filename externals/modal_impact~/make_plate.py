@@ -6,10 +6,10 @@
 Kirchhoff's plate, simply supported on all sides (Leissa, Vibration of Plates, 1969, section 4.1):
   f_mn = pi/2 sqrt(D / (rho h)) ((m/a)^2 + (n/b)^2),   D = E h^3 / (12 (1 - nu^2)),
   phi_mn = 2 / sqrt(rho h a b) sin(m pi x / a) sin(n pi y / b)   for a modal mass of 1 kg.
-Its frequencies follow its sides by d(omega^2)/da = -4 omega^2 (m/a)^2 / (a ((m/a)^2 + (n/b)^2)) and the
-same of n and b: the control point in its upper right corner draws both edges along.
+Its frequencies change with its sides by d(omega^2)/da = -4 omega^2 (m/a)^2 / (a ((m/a)^2 + (n/b)^2)) and likewise for n
+and b. The control point in its upper right corner moves both edges.
 
-It is aluminium, 320 x 200 x 5 mm, and stands upright in the x-y plane, centred, facing +z.
+The plate is of aluminium, 320 x 200 x 5 mm, and stands upright in the x-y plane, centred, facing +z.
 """
 import math
 import pathlib
@@ -22,9 +22,9 @@ from table_file import array, description, write  # noqa: E402
 
 A, B, H = 0.32, 0.20, 0.005            # m
 E, NU, RHO = 70.3e9, 0.33, 2700.0      # Pa, 1, kg/m^3
-LOSS = 8e-4                            # in a frame; the bare metal has a tenth of it
+LOSS = 8e-4                            # loss factor in a frame; ten times that of the bare metal
 HIGHEST = 16000.0                      # Hz
-RANGE = 0.25                           # how far the corner may move, relative to each side
+RANGE = 0.25                           # maximum move of the corner, relative to each side
 COLUMNS, ROWS = 48, 30                 # cells of the surface mesh
 
 

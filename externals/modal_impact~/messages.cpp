@@ -19,7 +19,7 @@ using namespace modal_impact;
 namespace {
 
 constexpr double kFastest = 50;               // m/s
-constexpr double kDistanceWarningRatio = 0.1; // of its diagonal
+constexpr double kDistanceWarningRatio = 0.1; // relative to the body's diagonal
 
 /// The range of a number of a message.
 struct Range {

@@ -89,7 +89,7 @@ void ModalImpact::set_pulses(bool on) noexcept {
 }
 
 void ModalImpact::set_seed(unsigned value) noexcept {
-  random_.seed(value); // also where the value is the same
+  random_.seed(value); // also if the value is the same
   if (options_.seed == value)
     return;
   options_.seed = value;
@@ -118,7 +118,8 @@ void ModalImpact::request(bool at_once, Host& host) {
 }
 
 void ModalImpact::rebuild_model(bool changes_body) {
-  const bool waits = answered_ < worker_.requested(); // tables being read need the settings, too
+  const bool waits = answered_ < worker_.requested(); // the worker also needs the settings for a
+                                                      // table that it reads
   if (!table_ && !waits)
     return;
   const BodySettings now = settings();
@@ -169,14 +170,15 @@ void ModalImpact::accept(TableJob::Answer answer, Host* host) {
   const bool solved = !loaded && in_use_.solved != before.solved;
   const bool same = table_ && (answer.table == table_ || answer.table->follows(*table_));
   if (answer.table == table_ && model_request_ == 0)
-    return; // nothing that was not built here
+    return; // the owner has already built this model itself
   if (answer.table != table_)
-    model_request_ = worker_.requested(); // whose settings this model may lack
+    model_request_ = worker_.requested(); // this model may lack the newest request's settings
   if (answered_ >= model_request_)
     model_request_ = 0;
   const bool supported = accept_support(*answer.model, same, host);
   table_ = answer.table;
-  if (!missing_arrays(*table_, settings().radiation).empty()) // this has been reported
+  if (!missing_arrays(*table_, settings().radiation).empty()) // the missing arrays have been
+                                                              // reported
     settings_.radiation = BodySettings().radiation;
   if (loaded) { // the displacements were those of the old body
     settings_.shape_displacement_m.clear();

@@ -53,7 +53,7 @@ private:
   /// The event that a message waits for. kForBody: the first body, while it is read. kAsStrike and
   /// kAsInfo: with `sync 2` also the changes requested before the message.
   enum class Waits { kNever, kForBody, kAsStrike, kAsInfo };
-  static constexpr std::size_t kFewNumbers = 8; ///< of a message that allocates nothing
+  static constexpr std::size_t kFewNumbers = 8; ///< maximum in a message that allocates nothing
   static constexpr std::size_t kMaxWaiting = 64;
   /// A message to a body that is still being read, or changed.
   struct WaitingMessage {
@@ -119,7 +119,7 @@ private:
   void post_info(Host& host);
   void post_loaded(Host& host);
   void post_ring(Numbers, Host& host);
-  /// The settings by message, each as the message that sets it.
+  /// Sends the settings that are messages, each as the message that sets it.
   void post_settings(Host& host) const;
   void post_damping(Host& host) const;
   void post_shape(Host& host) const;
@@ -128,15 +128,15 @@ private:
   /// Present displacements of all shape parameters, m.
   [[nodiscard]] std::vector<double> shape_displacement_m(const design::ShapeParameters&) const;
   void deform(std::vector<double> displacement_m, const design::ShapeParameters&, Host& host);
-  // Solving changed shapes: resolve.cpp.
+  // Solving changed shapes, defined in resolve.cpp.
   [[nodiscard]] bool needs_solve() const;
   /// Displacements of the control points from the shape that was solved, m.
   [[nodiscard]] std::vector<Vec3>
   control_point_offsets_m(const std::vector<double>& displacement_m) const;
-  /// The largest of them over the table's trust distance.
+  /// The largest of these displacements, divided by the table's trust distance.
   [[nodiscard]] double trust_ratio() const;
   [[nodiscard]] bool still_since_wait() const;
-  void start_settle_timer(double ms, Host& host); ///< below 0: stop
+  void start_settle_timer(double ms, Host& host); ///< below 0, stops the timer
   void shape_moved(bool beyond_trust, Host& host);
   void start_solve(Host& host);
   void take_solution(Host& host);
@@ -149,7 +149,8 @@ private:
   const BodyModel* body(Host& host);
   [[nodiscard]] SurfacePoint at_vertex(std::size_t vertex) const noexcept;
   void warn_if_far(const SurfacePoint& point, Host& host);
-  /// If the table has no motion along a direction (a plate's in its plane). Allocates nothing.
+  /// Warns if the table has no motion along a direction, such as a plate's in its plane. Allocates
+  /// nothing.
   void warn_if_still(std::string_view message, const SurfacePoint& point, const Vec3& direction,
                      Host& host);
   [[nodiscard]] BodySettings settings() const;
@@ -183,8 +184,8 @@ private:
   void accept(TableJob::Answer answer, Host* host);
   /// Whether the first body is being read.
   [[nodiscard]] bool loads_first() const noexcept { return !table_ && answered_ < load_; }
-  /// False if the body cannot rest on its points: restores the last valid points; the caller must
-  /// then build a model of them.
+  /// If the body cannot rest on its points, restores the last valid points and returns false. The
+  /// caller must then build a model with these points.
   bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
   BodySettings settings_;
@@ -202,16 +203,16 @@ private:
   Host* host_ = nullptr;     ///< lives as long as the object; for the worker's callback
   bool created_ = false;
   bool has_cords_ = false; // the box and its connections exist
-  std::string first_name_; ///< a creation argument: read when all flags are known
+  std::string first_name_; ///< a creation argument; its table is read once all flags are known
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;
   std::size_t waiting_count_ = 0;
-  /// Numbers of the worker's requests: the last one answered, the last one that changes the body
-  /// (not only its listeners), and the last one that reads a body.
+  /// Numbers of three of the worker's requests: the last answered one, the last one that changes
+  /// the body and not only its listeners, and the last one that reads a body.
   std::uint64_t answered_ = 0, body_change_ = 0, load_ = 0;
-  /// The last with settings that the present model lacks; 0: it has all.
+  /// Number of the last request with settings that the present model lacks; 0 if it lacks none.
   std::uint64_t model_request_ = 0;
-  Random random_; // of variation
+  Random random_; // for variation
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;
@@ -219,13 +220,13 @@ private:
   bool warned_ = false, warned_still_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
-  std::string solver_program_; ///< empty: searched for
+  std::string solver_program_; ///< if empty, searched for
   std::uint64_t load_number_ =
       0; ///< counts bodies and solvers; answers to earlier ones are dropped
   std::uint64_t solve_count_ = 0;
-  double solve_s_ = 0; ///< the last one's duration
+  double solve_s_ = 0; ///< duration of the last solution
   bool solving_ = false, solver_unavailable_ = false, solve_failed_ = false;
-  std::optional<std::vector<double>> settle_displacement_m_; ///< at the start of the settle timer
+  std::optional<std::vector<double>> settle_displacement_m_; ///< when the settle timer started
   /// In a render the request is answered after a fixed logical time.
   std::optional<ModeJob::Request> solver_request_;
   ModeSolver solver_;

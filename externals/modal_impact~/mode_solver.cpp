@@ -17,7 +17,8 @@ using serve::ServeKind;
 namespace {
 
 constexpr const char* kProgram = "modal_fem";
-constexpr double kPollInterval_s = 0.05; // between checks of the clock and of cancelled requests
+constexpr double kPollInterval_s = 0.05; // interval of checks of the clock and of cancelled
+                                         // requests
 
 std::string text_of(const ServedProgram::Message& message) {
   return printable_line(

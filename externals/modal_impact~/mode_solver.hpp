@@ -22,23 +22,24 @@ namespace tactus::modal {
 class ModeJob {
 public:
   struct Request {
-    std::uint64_t number = 0;                 ///< of the load; another one ends the child
-    std::string path;                         ///< of the body's table
-    std::string program;                      ///< path or name of modal_fem; empty: searched for
-    std::shared_ptr<const LoadedTable> table; ///< the body's present table; null: nothing to solve
+    std::uint64_t number = 0;                 ///< number of the load; another number ends the child
+    std::string path;                         ///< path of the body's table
+    std::string program;                      ///< path or name of modal_fem; if empty, searched for
+    std::shared_ptr<const LoadedTable> table; ///< the body's present table; null if there is
+                                              ///< nothing to solve
     std::vector<double> displacement_m;
   };
   struct Answer {
     std::uint64_t number = 0;
-    std::string refusal; ///< why there is no new table, else empty
+    std::string refusal; ///< reason why there is no new table, else empty
     bool lost = false;   ///< the program has ended; no further requests
-    std::shared_ptr<const LoadedTable> before, table; ///< of the request, and the new one
+    std::shared_ptr<const LoadedTable> before, table; ///< table of the request, and the new table
     double seconds = 0;
-    double fraction = 1; ///< of the move up to which the mesh stays valid
+    double fraction = 1; ///< fraction of the move up to which the mesh stays valid
   };
   struct Limits {
-    double start_s = 300; ///< to load the part
-    double solve_s = 300; ///< to answer a request
+    double start_s = 300; ///< longest time to load the part
+    double solve_s = 300; ///< longest time to answer a request
   };
   static constexpr const char* kOutOfMemory = "resolve: not enough memory";
 
@@ -48,15 +49,16 @@ public:
 
 private:
   [[nodiscard]] std::string launch(const Request& request);
-  /// Waits for a message of the child. None if the child was lost (reason in `lost`) or the request
-  /// was cancelled.
+  /// Waits for a message of the child. nullopt if the child was lost (reason in `lost`) or the
+  /// request was cancelled.
   [[nodiscard]] std::optional<ServedProgram::Message>
   await(const Turn<Answer>& turn, const ServedProgram::Expects& expects, std::string& lost);
   /// Waits until a started child has loaded the body. False with the reason in `lost`, which is
-  /// empty if the request was given up.
+  /// empty if the request was cancelled.
   [[nodiscard]] bool await_ready(const Request& request, const Turn<Answer>& turn,
                                  std::string& lost);
-  /// Sends the request and reads the answer. Empty, or why the solver is lost.
+  /// Sends the request and reads the answer. Returns an empty text, or the reason why the solver is
+  /// lost.
   [[nodiscard]] std::string exchange(const Request& request, const Turn<Answer>& turn,
                                      Answer& answer);
 

@@ -12,10 +12,11 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr double kSettleTime_ms = 150; // without a move, as in [stress_haptic]
+constexpr double kSettleTime_ms = 150; // time without a move, as in [stress_haptic]
 constexpr double kBatchReply_ms = 10;  // a render's logical time from request to answer
 // Fraction of the trust distance below which the shape counts as unmoved. The tremor of a hand at
-// rest is smaller; within it the derivatives, whose error is quadratic, are accurate to about 1e-6.
+// rest is smaller. Below this fraction the derivatives, whose error is quadratic, are accurate to
+// about 1e-6.
 constexpr double kMovedRatio = 0.01;
 
 double max_norm(const std::vector<Vec3>& offsets) {
@@ -50,7 +51,7 @@ double ModalImpact::trust_ratio() const {
          table_->table.sensitivity.shape.trust_m;
 }
 
-/// True if the shape has not moved, but for trembling, since the settle timer was started.
+/// True if the shape has not moved, apart from tremor, since the settle timer was started.
 bool ModalImpact::still_since_wait() const {
   if (!settle_displacement_m_)
     return false;
@@ -153,7 +154,7 @@ void ModalImpact::accept_solution(ModeJob::Answer result, Host& host) {
   body_change_ = worker_.requested();
 }
 
-/// A solved table has taken effect.
+/// Called when a solved table has taken effect.
 void ModalImpact::resolved(Host& host) {
   if (last_point_)
     last_point_ =

@@ -4,7 +4,8 @@
 #include <string_view>
 #include <vector>
 
-/// The answer to `dump` for settings that are messages: sending them back restores the object.
+/// The answer to `dump` for settings that are messages. Sending these messages back restores the
+/// object.
 namespace tactus::modal {
 
 using namespace modal_impact;

@@ -12,7 +12,7 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr std::size_t kMaxListed = 128; // control points that info lists
+constexpr std::size_t kMaxListed = 128; // maximum number of control points that `info` lists
 
 } // namespace
 
@@ -69,7 +69,7 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
 void ModalImpact::deform(std::vector<double> displacement, const design::ShapeParameters& shape,
                          Host& host) {
   if (displacement == shape_displacement_m(shape))
-    return; // no move
+    return; // nothing moves
   const std::vector<Vec3> moved = control_point_offsets_m(displacement);
   const auto largest = std::max_element(
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });

@@ -68,7 +68,8 @@ std::string TableJob::join(Tables changed) {
   else if (std::string refusal = LoadedTable::refusal(*changed.body, *changed.board);
            !refusal.empty())
     return refusal;
-  else if (tables_.body && changed.body->follows(*tables_.body)) // on the same board
+  else if (tables_.body && changed.body->follows(*tables_.body)) // a new shape of the same body on
+                                                                 // the same board
     changed.both = std::make_shared<const LoadedTable>(changed.body, *tables_.both);
   else
     changed.both = std::make_shared<const LoadedTable>(changed.body, changed.board,

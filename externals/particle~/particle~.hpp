@@ -109,7 +109,7 @@ private:
   double direct_ = 1, gain_ = 1;
   unsigned seed_ = 1;
   std::vector<particle::RingingMode> modes_;
-  std::string_view preset_ = "maraca"; // the last one chosen
+  std::string_view preset_ = "maraca"; // the last preset chosen
   double last_shake_ = 1;
 };
 

@@ -2,7 +2,7 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/words.hpp"
 
-/// Choosing, opening and closing [phantom]'s device, and what goes wrong with an open one.
+/// Choosing, opening and closing [phantom]'s device, and the faults of an open device.
 namespace tactus {
 
 using namespace phantom;
@@ -49,7 +49,7 @@ void Phantom::connect(Words which, Host& host) {
           expected("open", which[0],
                    "nothing or 0, the only simulated device; choose another driver with backend"));
     if (!created_)
-      return; // creation opens it
+      return; // created() opens the device
     disconnect(host);
     return connect_simulation(host);
   }
@@ -94,7 +94,7 @@ void Phantom::disconnect(Host& host) {
 void Phantom::end_session(Host& host) {
   if (link_.is_open())
     collect(host);
-  const bool runs = link_.is_open(); // collect() may find the device lost
+  const bool runs = link_.is_open(); // collect() may have found that the device is lost
   if (runs) {
     session_.leave_audio();
     session_.exchange().motors.pause(true);
@@ -106,7 +106,7 @@ void Phantom::end_session(Host& host) {
   host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
 
-/// The device is closed; reports that and the reason, if any.
+/// Called when the device is closed; reports that and the reason, if any.
 void Phantom::closed(std::string_view why, Host& host) {
   link_.state = State::kClosed;
   motors_.end_device();
@@ -117,8 +117,8 @@ void Phantom::closed(std::string_view why, Host& host) {
   send_status("closed", host);
 }
 
-/// Makes a new servo with the same settings, scene, network and name. The old one belongs to the
-/// thread that ends it.
+/// Makes a new servo with the same settings, scene, network and name. The old servo then belongs to
+/// the thread that ends it.
 void Phantom::replace_rig(Host& host) {
   motors_.store_heat();
   session_.replace();
@@ -151,7 +151,7 @@ void Phantom::posted(Host& host) {
   }
 }
 
-/// While the worker is busy: abandons a thread whose call does not return.
+/// Repeated while the worker is busy. Abandons a thread whose call does not return.
 void Phantom::watch_worker(Host& host) {
   const std::string late = link_.abandon_overdue();
   if (late.empty()) {
@@ -162,7 +162,7 @@ void Phantom::watch_worker(Host& host) {
   host.error(late + " has not returned for 1 s; its thread is abandoned. Switch the device off "
                     "and on; if it cannot be opened then, restart the host");
   if (link_.state == State::kOpening)
-    return request_open(host); // it was queued behind that call
+    return request_open(host); // the opening was queued behind the abandoned call
   if (link_.is_real() && link_.state != State::kClosed) {
     if (link_.is_open())
       replace_rig(host);
@@ -188,7 +188,7 @@ void Phantom::opened(Host& host) {
   begin(host);
 }
 
-/// Reports what is new of a real device's state, faults and troubles.
+/// Reports changes of a real device's state, faults and troubles.
 void Phantom::watch_device(Host& host) {
   if (!link_.is_real() || !link_.is_open())
     return;
@@ -201,7 +201,7 @@ void Phantom::watch_device(Host& host) {
     handle_lost_device(host);
 }
 
-/// The device no longer answers: closes it and tries to open it again until it returns.
+/// Called when the device no longer answers. Closes it and tries to open it again until it answers.
 void Phantom::handle_lost_device(Host& host) {
   const std::string problem = link_.device().trouble();
   session_.leave_audio();
@@ -221,7 +221,7 @@ void Phantom::handle_lost_device(Host& host) {
     closed(refusal, host);
 }
 
-/// The device reports a failure but still answers.
+/// Called when the device reports a failure but still answers.
 void Phantom::handle_device_fault(Host& host) {
   motors_.emergency_stop();
   const std::string problem = link_.device().trouble();

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <string>
 
-/// What steps the servo, when the outlets send, and the messages that concern several parts;
-/// connection.cpp opens and closes the device.
+/// Stepping the servo, sending to the outlets, and the messages that concern several parts. The
+/// file connection.cpp opens and closes the device.
 namespace tactus {
 namespace {
 
-// Interval of the heartbeats to a servo on the wall clock.
+// Interval of the heartbeats to a servo that runs on the wall clock.
 constexpr double kHeartbeat_ms = 5;
 // Lower bound of the time between two wake-ups.
 constexpr double kShortestWake_ms = 1e-3;
@@ -40,7 +40,7 @@ void Phantom::configure_signals() noexcept {
       {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
 }
 
-/// Starts the grids of servo ticks and of outputs at the present time.
+/// Starts the time grids of servo ticks and outputs at the present time.
 void Phantom::begin_grids(Host& host) {
   ticks_.begin(host.now_ms());
   outputs_.begin(host.now_ms());
@@ -64,7 +64,7 @@ void Phantom::begin(Host& host) {
   host.wake_in(kSchedule, 0);
 }
 
-/// The system provided no thread for the servo: reports that and closes the device.
+/// Called when the system provided no thread for the servo; reports that and closes the device.
 void Phantom::without_thread(const std::string& refusal, Host& host) {
   host.error((session_.wall && !link_.is_real() ? "clock wall: " : "open: ") + refusal);
   disconnect(host);
@@ -123,7 +123,7 @@ void Phantom::schedule(Host& host) {
   host.wake_in(kSchedule, std::max(kShortestWake_ms, next - now));
 }
 
-/// Called by the audio at the sample of each tick.
+/// The audio calls it at the sample of each tick.
 void Phantom::step_with_audio() noexcept {
   if (!link_.is_open() || session_.wall)
     return;
@@ -131,7 +131,8 @@ void Phantom::step_with_audio() noexcept {
   session_.step(std::isfinite(due_s) ? due_s : session_.stepped_s() + period_s, period_s);
 }
 
-/// Reads the servo's reports and events, sends the events and what is new of device and chain.
+/// Reads the servo's reports and events, and sends the events and the changes of device and force
+/// chain.
 void Phantom::collect(Host& host) {
   output_.read(host);
   setup_.learn();
@@ -214,7 +215,7 @@ void Phantom::set_name(const Atom& name, Host& host) {
   audio_.withdraw(host);
   audio_.set_name(text_of(name));
   if (!created_)
-    return; // creation does the rest
+    return; // created() does the rest
   if (!audio_.publish(host))
     host.error("name " + audio_.name() +
                ": another phantom has this name; phantom~ connects to that one");

@@ -46,7 +46,7 @@ private:
   enum class Clock { kAuto, kLogical, kWall };
   using Words = phantom::Words;
 
-  // phantom.cpp
+  // Defined in phantom.cpp:
   void begin(Host& host);
   void begin_grids(Host& host);
   void schedule(Host& host);
@@ -67,7 +67,7 @@ private:
   void apply_settings() noexcept { setup_.apply(); }
   void apply_simulation() noexcept { simulation_.apply(); }
 
-  // connection.cpp
+  // Defined in connection.cpp:
   void choose_driver(Words words, Host& host);
   void connect(Words which, Host& host);
   void connect_simulation(Host& host);

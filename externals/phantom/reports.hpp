@@ -29,16 +29,16 @@ inline constexpr std::array<std::string_view, 13> kTags{
     "mm",  "vel",     "force",   "button", "status", "jitter", "error",
     "hit", "contact", "release", "rot",    "torque", "grip"};
 
-/// Which of them are on.
+/// Stores which outputs are on.
 class Reports {
 public:
   [[nodiscard]] bool on(Tag tag) const noexcept { return on_[tag]; }
-  /// Sends a line that a tag switches.
+  /// Sends a line if its tag is on.
   void send(Tag tag, std::initializer_list<Atom> line, Host& host) const {
     if (on_[tag])
       host.info(line);
   }
-  /// The message `report TAG 0|1`.
+  /// Handles the message `report TAG 0|1`.
   void set(Words words, Host& host);
 
 private:

@@ -9,13 +9,13 @@
 
 namespace tactus::reed {
 
-/// Cache of the last kMaxMaps finished maps, with their settings as text for a key; can be written
-/// to and read from a file.
+/// Cache of the last kMaxMaps finished maps, which can be written to a file and read from it. A
+/// map's key is the text of its settings.
 class MapStore {
 public:
-  /// Stores a map; an equal key is replaced.
+  /// Stores a map; replaces a map with the same key.
   void put(std::string key, std::vector<double> nodes);
-  /// Null when there is no map with this key.
+  /// Returns null if there is no map with this key.
   [[nodiscard]] const std::vector<double>* find(const std::string& key) const noexcept;
 
   /// Writes all maps. Returns the error text, empty on success.

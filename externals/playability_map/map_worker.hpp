@@ -12,17 +12,17 @@
 
 namespace tactus::reed {
 
-/// Computes the nodes of a grid in the background, or step by step in the caller's thread.
-/// Nodes are published in order: those below done() are final and may be read meanwhile. Nothing
-/// here waits.
+/// Computes the nodes of a grid in the background, or step by step in the caller's thread. Nodes
+/// are published in order: those below done() are final and may be read while others are computed.
+/// No function waits.
 class MapWorker {
 public:
   /// Computes some nodes from `first` on and returns the number of final nodes; called until all
   /// are final. It must own its data: its last call may end after the worker is destroyed.
   using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
 
-  /// Has a thread compute another map, after the portion in progress. Returns an error text when
-  /// no thread could be started, after which step() does the work; else empty.
+  /// Lets a thread compute another map, after the portion in progress. Returns an empty text, or an
+  /// error text if no thread could be started; step() then does the work.
   [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
     make_grid(nodes, std::move(portion));
     const std::string reason = worker_.request(grid_);
@@ -37,10 +37,10 @@ public:
     worker_.request_here(grid_);
   }
   void step() { worker_.step(0); }
-  /// Nothing is computed after the portion in progress.
+  /// Ends the computation after the portion in progress.
   void cancel() { worker_.request_here(nullptr); }
 
-  /// Why the map will not be finished, once; else empty.
+  /// Returns, once, the reason why the map will not be finished; else an empty text.
   [[nodiscard]] std::string take_error() {
     const std::vector<std::string> sentences = worker_.take().sentences;
     return sentences.empty() ? std::string() : sentences.front();
@@ -49,7 +49,7 @@ public:
   [[nodiscard]] std::size_t done() const noexcept { return grid_->done; }
   [[nodiscard]] std::size_t size() const noexcept { return grid_->nodes.size(); }
   [[nodiscard]] bool finished() const noexcept { return done() == size(); }
-  /// index < done().
+  /// Requires index < done().
   [[nodiscard]] double node(std::size_t index) const noexcept { return grid_->nodes[index]; }
 
 private:
@@ -64,8 +64,8 @@ private:
     grid_->portion = std::move(portion);
   }
   struct Job {
-    using Request = std::shared_ptr<Grid>; ///< null: nothing
-    struct Answer {};                      ///< the nodes are in the grid
+    using Request = std::shared_ptr<Grid>; ///< null if there is nothing to compute
+    struct Answer {};                      ///< empty, since the nodes are in the grid
     static constexpr const char* kOutOfMemory = "not enough memory for the map";
     static double work(const Request& grid, Turn<Answer>&) {
       if (grid)

@@ -36,7 +36,7 @@ Colour colour(double x) {
           std::round(a.b + fraction * (b.b - a.b))};
 }
 
-/// The length that an instrument with these parameters takes for a bore frequency.
+/// The length that gives an instrument with these parameters this bore frequency.
 double length_of(const Parameters& parameters, double bore_frequency) {
   const auto reeds = make_reed_ensemble(simd::Baseline{});
   reeds->set(parameters);
@@ -129,7 +129,7 @@ void PlayabilityMapObject::compute(Host& host) {
 void PlayabilityMapObject::cancel(Host& host) {
   worker_.cancel();
   if (computing_)
-    total_ = 0; // nothing is left to draw of an unfinished map
+    total_ = 0; // an unfinished map has nothing left to draw
   computing_ = drawing_ = false;
   host.wake_in(0, -1);
 }

@@ -34,7 +34,7 @@ private:
   struct Rows;
   struct Settings {
     bool growth = false;
-    double columns = 41, rows = 41; ///< as given; whole numbers count
+    double columns = 41, rows = 41; ///< as given; the fraction is ignored
     double bore_frequency_hz = 0, settle_ms = 500, listen_ms = 200, rate_hz = 48000;
     bool background = true;
   };
@@ -61,7 +61,7 @@ private:
   MapStore store_;
   MapWorker worker_;
   std::string working_key_;
-  // The map being computed or drawn; field_ is the finished one for look-ups.
+  // Size and progress of the map being computed or drawn; field_ is the finished map for look-ups.
   std::size_t columns_ = 0, rows_ = 0, sent_ = 0, total_ = 0;
   unsigned step_ = 0;
   bool growth_ = false, computing_ = false, drawing_ = false;

@@ -13,8 +13,8 @@ Bending and shear of a slender beam (Timoshenko & Gere, Mechanics of Materials, 
 eta = -1..1 across the height:
   sigma = 6 F (L - x) eta / (b h^2),   tau = 3 F (1 - eta^2) / (2 b h)
   von Mises sqrt(sigma^2 + 3 tau^2),   maximum shear sqrt(sigma^2 / 4 + tau^2)
-and their derivatives with respect to h times N_c, at the middles of the elements. It is steel,
-80 x 20 x 10 mm, in the x-y plane, centred, under 1 kN.
+and their derivatives with respect to h times N_c, at the middles of the elements. The beam is of steel, 80 x 20 x 10
+mm, in the x-y plane, centred, under 1 kN.
 """
 import math
 import pathlib
@@ -29,7 +29,7 @@ L, H, B = 0.08, 0.02, 0.01    # m
 FORCE = 1000.0                # N
 COLUMNS, ROWS = 40, 8         # elements along and across
 LOW, HIGH = -0.008, 0.012     # m, bounds of a control point's displacement
-TRUST = 0.1 * H               # of the local height: Taylor's error of the mean stays below 1 % there
+TRUST = 0.1 * H               # a tenth of the height, within which Taylor's error of the mean stays below 1 %
 
 
 def bernstein(t):

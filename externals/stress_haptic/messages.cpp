@@ -48,7 +48,7 @@ void StressHaptic::scalar(std::size_t inlet, double value, Host& host) {
     set_parameters(std::span(&atom, 1), host);
 }
 
-/// Inlet 2: position, or position and velocity, of the handle.
+/// Handles inlet 2: position, or position and velocity, of the handle.
 void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
   if (atoms.size() != 3 && atoms.size() != 6)
     return host.error("device: " + std::to_string(atoms.size()) +
@@ -189,10 +189,11 @@ void StressHaptic::set_gains(std::span<const Atom> arguments, Host& host) {
   if (const double k = std::max(numbers[0], numbers[1]); k > stiffness_limit())
     host.error("gains: " + number_text(k) + " N/m: expected at most " +
                number_text(stiffness_limit()) +
-               ", the device's nominal stiffness times share; limited to that");
+               ", the device's nominal stiffness times share; limited to that value");
   else if (const double b = std::max(numbers[2], numbers[3]); b > device_.damping_n_s_per_m)
     host.error("gains: " + number_text(b) + " N s/m: expected at most " +
-               number_text(device_.damping_n_s_per_m) + ", the limit damping; limited to that");
+               number_text(device_.damping_n_s_per_m) +
+               ", the limit damping; limited to that value");
   if (host_)
     collect(host);
 }

@@ -12,14 +12,14 @@ constexpr double kStep_ms = 1;             // update interval of gamma and force
 constexpr double kInfo_ms = 20;            // shortest time between two reports
 constexpr double kFeedback_ms = 10;        // shortest time between two feedback messages
 constexpr double kFeedbackRepeat_ms = 250; // a server ends the force 500 ms after the last message
-constexpr double kMargin_mm = 1;           // of the workspace around the control points
+constexpr double kMargin_mm = 1;           // margin of the workspace around the control points
 
 constexpr std::array<std::string_view, 3> kMethods{"taylor", "pcg", "full"};
 constexpr std::array<std::string_view, 3> kSolvers{"none", "starting", "ready"};
 
 } // namespace
 
-/// From right to left, as Pd's objects do.
+/// Sends to the outlets from right to left, as Pd's objects do.
 void StressHaptic::send(Host& host, bool all) {
   const double now_ms = host.now_ms();
   const Vec3 gamma = gamma_.at(1e-3 * now_ms);
@@ -83,8 +83,8 @@ void StressHaptic::send_info(Host& host) {
   host.info({"outside", result_.outside_trust ? 1.0 : 0.0});
 }
 
-/// Time of the next output: the next step while gamma or the force changes, else the next repeated
-/// feedback message.
+/// Sets the time of the next output: the next step while gamma or the force changes, else the next
+/// repeated feedback message.
 void StressHaptic::schedule(Host& host) {
   if (!table_)
     return host.wake_in(0, -1);

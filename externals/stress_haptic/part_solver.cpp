@@ -20,7 +20,7 @@ using serve::StressAnswer;
 namespace {
 
 constexpr const char* kProgram = "part_stress";
-constexpr double kPollInterval_s = 0.1; // between two checks of the time limit while waiting
+constexpr double kPollInterval_s = 0.1; // interval of checks of the time limit while waiting
 
 template <class T> void append(std::vector<std::byte>& bytes, const T& value) {
   const auto* begin = reinterpret_cast<const std::byte*>(&value);
@@ -86,7 +86,7 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
     return "the solver has not loaded the part yet";
   const bool direct = method == Method::kFull || sensitivities;
   sensitivities_ = sensitivities;
-  // Twenty times the estimated duration of a solve.
+  // The time limit is twenty times the estimated duration of a solve.
   const double parameters = static_cast<double>(options_.table.parameters.size());
   const double expected_s =
       costs_.factor_s + (60 + parameters) * (costs_.product_s + costs_.solve_s);

@@ -18,14 +18,15 @@ using serve::ServeMethod;
 
 /// The table that a solver is made for, and how to run it.
 struct SolverOptions {
-  const StressTable& table; ///< outlives the solver
-  std::string path;         ///< of the table
-  std::string program;      ///< path or name of part_stress; empty: the default search
+  const StressTable& table; ///< must outlive the solver
+  std::string path;         ///< path of the table
+  std::string program;      ///< path or name of part_stress; if empty, searched for
   bool wait = false;        ///< blocks until every answer, so that renders are repeatable
 };
 
-/// Path of the program part_stress: `program` if given (a path if it has a slash, else searched in
-/// PATH), else beside this module or in PATH. Empty if there is none that can be run.
+/// Path of the program part_stress. `program`, if given, is a path if it has a slash, else a name
+/// that is searched for in PATH. Without it the program is searched for beside this module and in
+/// PATH. Empty if no such program can be run.
 [[nodiscard]] std::string find_part_stress(const std::string& program);
 
 /// Solves a table's part by `part_stress serve`, run as a child process. Once the child has loaded
@@ -37,16 +38,16 @@ public:
   static constexpr double kSameStress =
       1e-3; ///< largest difference from the table / largest stress
   struct Limits {
-    double start_s = 300; ///< to load the part
-    double solve_s = 30;  ///< for an answer, if its costs do not make it longer
+    double start_s = 300; ///< longest time to load the part
+    double solve_s = 30;  ///< longest time for an answer; large costs extend it
   };
 
   explicit PartSolver(SolverOptions options) : PartSolver(std::move(options), Limits{}) {}
   PartSolver(SolverOptions options, const Limits& limits);
 
   [[nodiscard]] bool prepare() override;
-  /// Costs measured by the child; 0 if `wait`, because the choice of a method must then not depend
-  /// on the clock. It then depends on the iterations only.
+  /// Costs measured by the child. They are 0 with `wait`, because the choice of a method must then
+  /// depend on the iterations only and not on the clock.
   [[nodiscard]] Costs costs() const noexcept override { return options_.wait ? Costs{} : costs_; }
   [[nodiscard]] std::string start(std::span<const double> displacement_m, Method method,
                                   bool sensitivities) override;
@@ -71,8 +72,8 @@ private:
   Costs costs_;
   std::unique_ptr<ServedProgram> child_;
   State state_ = State::kNone;
-  bool sensitivities_ = false;               ///< requested
-  std::shared_ptr<const StressBase> latest_; ///< of the newest answer; null: the table's own
+  bool sensitivities_ = false;               ///< whether sensitivities are requested
+  std::shared_ptr<const StressBase> latest_; ///< from the newest answer; null for the table's own
   std::optional<Result> result_;
 };
 

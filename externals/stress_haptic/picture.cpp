@@ -8,8 +8,8 @@ namespace tactus::stress {
 namespace {
 
 // A face is sent again when it differs by this much from its last sent state.
-constexpr double kStressStep = 1.0 / 128;    // of the scale
-constexpr double kPositionStep = 1.0 / 2000; // of the part's width
+constexpr double kStressStep = 1.0 / 128;    // relative to the scale
+constexpr double kPositionStep = 1.0 / 2000; // relative to the part's width
 
 bool differs(const PictureFace& a, const PictureFace& b, const Picture& picture) {
   if (!(std::abs(a.stress_pa - b.stress_pa) <= kStressStep * picture.stress_scale_pa))
@@ -26,7 +26,7 @@ void StressHaptic::draw(std::span<const Atom> arguments, Host& host) {
   if (!arguments.empty() && !(arguments[0].is_word && arguments[0].word == "all"))
     return host.error(sentence_of("draw", arguments) + ": expected nothing or all");
   if (!table_ && request_.load > 0) {
-    draw_when_loaded_ = true; // the worker is reading it
+    draw_when_loaded_ = true; // the worker is still reading the table
     return;
   }
   if (!has_table("draw", host))
@@ -40,7 +40,8 @@ void StressHaptic::draw(std::span<const Atom> arguments, Host& host) {
   submit(host);
 }
 
-/// picture F H scale; face i Pa x1 y1 x2 y2 x3 y3 of those that have changed; point id x y z.
+/// Sends `picture F H scale`, then `face i Pa x1 y1 x2 y2 x3 y3` for each face that has changed,
+/// then `point id x y z`.
 void StressHaptic::send_picture(Host& host) {
   sent_picture_ = result_.picture_number;
   const Picture& picture = *result_.picture;

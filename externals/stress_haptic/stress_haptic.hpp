@@ -14,7 +14,7 @@ namespace tactus::stress {
 
 inline constexpr double kMm_per_m = 1e3;
 
-/// Text of a message as it was sent, "range fixed 2 1", for its error.
+/// Text of a message as it was sent, such as "range fixed 2 1", for its error text.
 [[nodiscard]] std::string sentence_of(std::string_view message, std::span<const Atom> arguments);
 
 /// [stress_haptic]: haptic feedback of a part's stress while the user reshapes it (core/stress,
@@ -25,7 +25,7 @@ public:
   static constexpr std::size_t timers = 1;
 
   explicit StressHaptic(StressJob::SolverFactory solvers);
-  StressHaptic(); ///< solves by part_stress
+  StressHaptic(); ///< uses part_stress as solver
   void scalar(std::size_t inlet, double value, Host& host);
   void list(std::size_t inlet, std::span<const Atom> atoms, Host& host);
   void tick(std::size_t timer, Host& host);
@@ -43,7 +43,7 @@ private:
     double scale = 1, nominal_n_per_m = 1000, share = 0.6, damping_n_s_per_m = 5;
   };
   static constexpr std::size_t kGammaOutlet = 0, kForceOutlet = 1, kProtocolOutlet = 3;
-  static constexpr double kFade_s = 0.1; ///< of gamma at a swap, and of a moved anchor
+  static constexpr double kFade_s = 0.1; ///< fade time of a new gamma and of a moved anchor
   void load(const Atom& name, Host& host);
   void take_table(const StressJob::Answer& answer, Host& host);
   void set_solver(const Atom& program, Host& host);
@@ -69,12 +69,12 @@ private:
   void draw(std::span<const Atom> arguments, Host& host);
   void send_picture(Host& host);
 
-  /// False after one error if no table is loaded.
+  /// Returns false after one error if no table is loaded.
   [[nodiscard]] bool has_table(std::string_view message, Host& host) const;
-  /// The control point of this id, or none after one error.
+  /// The control point of this id; nullopt after one error.
   [[nodiscard]] std::optional<std::size_t> control_point(std::string_view message, double id,
                                                          Host& host) const;
-  /// Displacements of a control point's parameters, within their bounds.
+  /// Sets the displacements of a control point's parameters, limited to their bounds.
   void displace(std::size_t control_point, const Vec3& displacement_m) noexcept;
   [[nodiscard]] Vec3 displacement_of(std::size_t control_point) const noexcept;
   // Each function warns of a setting that the table or the object does not support; processing
@@ -108,23 +108,23 @@ private:
   SessionResult result_;
   RenderGains gains_{0, 400, 0, 4};
   VectorRamp gamma_{}, anchor_{};
-  bool anchored_ = false;     ///< else the first position becomes the anchor
+  bool anchored_ = false;     ///< if false, the next position becomes the anchor
   bool has_position_ = false; ///< the handle has sent a position
   Vec3 position_m_{}, velocity_m_per_s_{};
   haptic::VelocityEstimator velocity_estimate_;
-  Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab
+  Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< values at the grab
   // The last outputs and their times.
   std::optional<Vec3> sent_gamma_, sent_force_n_, sent_feedback_;
   double feedback_ms_ = -1e9, info_ms_ = -1e9;
   std::uint64_t feedback_sequence_ = 0;
   bool info_due_ = false;
-  std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< requested, and sent
+  std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< numbers of the requested and the sent picture
   bool draw_when_loaded_ = false;
-  std::vector<PictureFace> sent_faces_; ///< empty: all must be sent
+  std::vector<PictureFace> sent_faces_; ///< if empty, all must be sent
   StressWorker worker_;
 };
 
-/// The words of a choice have the order of the enumerations in core/stress.
+/// The words of each choice are in the order of its enumeration in core/stress.
 struct StressHaptic::Rows {
   using Self = StressHaptic;
   using Feedback = FeedbackSettings;

@@ -12,16 +12,17 @@
 
 namespace tactus::stress {
 
-/// Reads tables and evaluates stresses. A table that cannot be read leaves the one before in use.
+/// Reads tables and evaluates stresses. If a table cannot be read, the previous table stays in use.
 class StressJob {
 public:
-  /// SessionRequest::table: of the table in use; a request for another is not evaluated.
+  /// SessionRequest::table is the number of the table in use. A request for another table is not
+  /// evaluated.
   struct Request : SessionRequest {
-    std::string path, name;       ///< of the table; name: as the user wrote it
-    std::uint64_t load = 0;       ///< number of the request to load; 0: none
-    std::string program;          ///< the solver's; empty: the default search
+    std::string path, name;       ///< path of the table, and its name as the user wrote it
+    std::uint64_t load = 0;       ///< number of the request to load, 0 for none
+    std::string program;          ///< the solver's; if empty, searched for
     std::uint64_t set_solver = 0; ///< a different number restarts the solver
-    bool wait = false;            ///< for solvers, where the host does not run in real time
+    bool wait = false;            ///< solvers wait if the host does not run in real time
   };
   struct Answer {
     std::shared_ptr<const StressTable> table;

@@ -8,7 +8,7 @@
 namespace tactus::fem {
 
 NodeGraph::NodeGraph(const Mesh& mesh) : start(mesh.nodes.size() + 1, 0) {
-  // Elements around each node, then each node's neighbours of a higher number.
+  // Finds the elements around each node, then each node's neighbours with a higher number.
   const std::size_t count = mesh.nodes.size();
   std::vector<std::size_t> first(count + 1, 0);
   for (const int n : mesh.connectivity)
@@ -43,7 +43,8 @@ std::size_t NodeGraph::find(std::int64_t at_row, std::int64_t column) const noex
 
 namespace {
 
-/// Vectors that pass through the matrix together: it is read from memory once for all of them.
+/// Number of vectors multiplied together, so that the matrix is read from memory once for all of
+/// them.
 constexpr std::size_t kPassColumns = 8;
 template <std::size_t Width> using ColumnLanes = std::array<double, Width>;
 
@@ -84,7 +85,7 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
   }
 }
 
-/// A single vector would use one of eight lanes, so it has its own kernel.
+/// A single vector would use only one of eight lanes, so it has a separate kernel.
 template <class Block>
 void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
                   std::span<const double> x, std::span<double> y, std::size_t columns,
@@ -127,7 +128,7 @@ void Matrices::multiply_whole_stiffness(std::span<const double> x, std::span<dou
 
 PairPositions::PairPositions(const Mesh& mesh, const NodeGraph& graph) : start_{0} {
   if (graph.row.size() > 0x7FFFFFFE)
-    throw TooLarge("the mesh has more than 2^31 pairs of nodes: take a coarser one");
+    throw TooLarge("the mesh has more than 2^31 pairs of nodes: use a coarser mesh");
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
     for (std::size_t a = 0; a < nodes.size(); ++a)

@@ -22,14 +22,14 @@ struct NodeGraph {
   [[nodiscard]] std::size_t find(std::int64_t at_row, std::int64_t column) const noexcept;
 };
 
-/// The index in the node graph of each pair of nodes of each element. Computed once, used by every
-/// assembly.
+/// The index in the node graph of each pair of nodes of each element. They are computed once and
+/// used by every assembly.
 class PairPositions {
 public:
-  /// Refuses graphs beyond 2^31 pairs.
+  /// Refuses graphs of more than 2^31 pairs.
   PairPositions(const Mesh&, const NodeGraph&);
-  /// The positions of an element's node pairs (a, b), b <= a, in that order: the pair's index + 1;
-  /// negative where the block is stored transposed.
+  /// The positions of an element's node pairs (a, b), b <= a, in that order. A position is the
+  /// pair's index + 1, negative if the block is stored transposed.
   [[nodiscard]] std::span<const std::int32_t> of(std::size_t element) const noexcept {
     return std::span(position_).subspan(start_[element], start_[element + 1] - start_[element]);
   }
@@ -42,54 +42,56 @@ private:
   std::vector<std::int32_t> position_;
 };
 
-/// A support: nodes fixed in the chosen directions, or held there by springs. The stiffness (N/m)
-/// is that of the whole patch, divided equally among its nodes.
+/// A support: nodes that are fixed or on springs in the chosen directions. The stiffness (N/m) is
+/// that of the whole patch, divided equally among its nodes.
 struct Support {
   std::string name;
   std::vector<int> nodes;
   std::array<bool, 3> directions{true, true, true};
-  double stiffness_n_per_m = 0; ///< 0: rigid
+  double stiffness_n_per_m = 0; ///< 0 for a rigid support
 };
 
 /// The symmetric matrices of K u = omega^2 M u, in SI. K is stored in 3 x 3 blocks over the node
 /// graph, row by row in each block. M has one number for each pair of nodes, the same for x, y and
-/// z. Held directions keep their rows and are marked in `constrained`: solvers skip them.
+/// z. Constrained directions keep their rows and are marked in `constrained`, so that solvers skip
+/// them.
 struct Matrices {
   NodeGraph graph;
-  std::vector<double> stiffness;         ///< 9 a pair
-  std::vector<double> mass;              ///< 1 a pair
-  std::vector<std::uint8_t> constrained; ///< 1 a degree of freedom
+  std::vector<double> stiffness;         ///< 9 per pair
+  std::vector<double> mass;              ///< 1 per pair
+  std::vector<std::uint8_t> constrained; ///< 1 per degree of freedom
 
   explicit Matrices(const Mesh& mesh) : graph(mesh), constrained(mesh.dofs(), 0) {}
   [[nodiscard]] std::size_t dofs() const noexcept { return constrained.size(); }
 
   /// y = M x and y = K x for `columns` vectors, each contiguous and dofs() long. Rows and columns
-  /// of held directions count as zero.
+  /// of constrained directions count as zero.
   void multiply_mass(std::span<const double> x, std::span<double> y, std::size_t columns) const;
   void multiply_stiffness(std::span<const double> x, std::span<double> y,
                           std::size_t columns) const;
-  /// y = K x with all rows and columns, those of held directions too.
+  /// y = K x with all rows and columns, including those of constrained directions.
   void multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const;
 };
 
 /// Called with the completed fraction of the work, 0 to 1.
 using Progress = std::function<void(double)>;
 
-/// Integrates and adds up the matrices of all elements and the springs of the supports.
-/// `materials`: one for each region. Refuses when the numbers differ.
+/// Integrates and adds up the matrices of all elements and the springs of the supports. `materials`
+/// has one entry per region; refuses another number.
 [[nodiscard]] Matrices assemble(const Mesh&, std::span<const Material>, std::span<const Support>,
                                 const Progress& = {});
 
-/// An elastic law for each region. Refuses when the numbers differ.
+/// An elastic law for each region. Refuses a number of materials that differs from the number of
+/// regions.
 [[nodiscard]] std::vector<ElasticLaw> elastic_laws(const Mesh&, std::span<const Material>);
 
-/// Adds an element's stiffness to the blocks `stiffness` of the graph that `positions` is of.
-/// Where `only` is not empty, only to the pairs that it marks.
+/// Adds an element's stiffness to the blocks `stiffness` of the graph to which `positions` belongs.
+/// If `only` is not empty, adds it only to the pairs that `only` marks.
 void add_element_stiffness(const Mesh&, std::size_t element, const ElasticLaw&,
                            const PairPositions&, std::span<double> stiffness,
                            std::span<const std::uint8_t> only = {});
 
-/// The stiffness alone, of elements in one region (-1: all), onto an existing graph.
+/// Assembles only the stiffness of the elements in one region (-1: all), onto an existing graph.
 void assemble_stiffness(const Mesh&, std::span<const Material>, int region, Matrices& into);
 
 } // namespace tactus::fem

@@ -16,7 +16,8 @@ double dot(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
-/// Largest over smallest eigenvalue of the Lanczos matrix that the coefficients make.
+/// Ratio of the largest to the smallest eigenvalue of the Lanczos matrix that follows from the
+/// coefficients.
 double condition_of(std::span<const double> alpha, std::span<const double> beta) {
   const std::size_t n = alpha.size();
   if (n == 0)
@@ -57,8 +58,8 @@ CgReport conjugate_gradients(const Matrices& m, ShiftedFactor& preconditioner,
     const double next = dot(r, z);
     if (!(next > 0))
       break;
-    // Polak and Ribiere's form: with a preconditioner in single precision, r' z of before does not
-    // vanish, and the usual form loses steps (Notay 2000).
+    // Polak and Ribiere's form: with a preconditioner in single precision, the previous r' z does
+    // not vanish, and the usual form needs more steps (Notay 2000).
     const double beta_step = report.iterations > 0 ? (next - dot(before, z)) / rz : 0;
     if (report.iterations > 0)
       beta.push_back(std::max(beta_step, 0.0));
@@ -89,8 +90,8 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
   old_factor.solve(b, std::span(basis).first(n), 1);
   for (std::size_t k = 0; k < vectors; ++k) {
     const auto own = std::span(basis).subspan(k * n, n);
-    // The vectors shrink with the change of K; scaled to unit length the small system is well
-    // conditioned.
+    // The smaller the change of K, the shorter the vectors. They are scaled to unit length so that
+    // the small system is well conditioned.
     const double size = std::sqrt(dot(own, own));
     for (double& value : own)
       value = size > 0 ? value / size : 0;
@@ -102,7 +103,7 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
     for (std::size_t i = 0; i < n; ++i)
       basis[(k + 1) * n + i] = own[i] - change[i];
   }
-  // If K is unchanged only the first vector remains: the rank is determined.
+  // If K is unchanged, only the first vector remains, so the solver determines the rank.
   const std::vector<double> weight =
       solve_of_any_rank(transposed_product(basis, vectors, image, vectors, n),
                         transposed_product(basis, vectors, b, 1, n));

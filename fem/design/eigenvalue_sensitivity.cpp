@@ -32,7 +32,7 @@ std::vector<double> eigenvalue_sensitivity(const Mesh& mesh, std::span<const Mat
       throw InputError("mode " + std::to_string(first + 1) +
                        " may belong to a group of equal frequencies beyond the " +
                        std::to_string(given) +
-                       " modes given: expected at least one more mode of another frequency");
+                       " modes given: expected at least one further mode of another frequency");
     const std::size_t size = end - first;
     double lambda = 0;
     for (std::size_t k = first; k < end; ++k) {

@@ -13,17 +13,17 @@ struct GivenModes {
 
 /// Derivatives d(omega^2)/dp = phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor
 /// 1968), rad^2/s^2 per unit of the parameter, [parameter][mode]. K' and M' are the material
-/// derivatives of the element integrals; constrained directions stay constrained, springs follow
-/// their faces.
+/// derivatives of the element integrals; constrained directions stay constrained, and springs move
+/// with their faces.
 ///
 /// Modes closer than `same` (relative, in frequency) count as one eigenvalue of that multiplicity.
 /// Its derivatives are the eigenvalues, ascending, of the matrix phi_i' (K' - omega^2 M') phi_j
-/// over the group (Seyranian, Lund & Olhoff 1994). They are directional: true for this parameter
-/// alone, and not additive over parameters.
+/// over the group (Seyranian, Lund & Olhoff 1994). They are directional: valid for a change of this
+/// parameter only, and not additive over parameters.
 ///
-/// Returns the derivatives of the first `count` of the given modes. Refuses when the group of the
-/// last of them reaches the end of the given modes, since further members may be missing: give one
-/// mode more than is needed. `springs` are those of the matrices of the modes.
+/// Returns the derivatives of the first `count` of the given modes. Refuses if the group of the
+/// last of these modes reaches the end of the given modes, since members of the group may be
+/// missing. So pass at least one further mode. `springs` are those in the matrices of the modes.
 [[nodiscard]] std::vector<double> eigenvalue_sensitivity(const Mesh&, std::span<const Material>,
                                                          std::span<const SpringPatch> springs,
                                                          const GivenModes&,

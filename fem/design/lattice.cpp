@@ -6,10 +6,10 @@
 namespace tactus::fem {
 namespace {
 
-/// Smaller weights move a node by less than rounding does.
+/// Smaller weights move a node by less than the rounding error.
 constexpr double kNoWeight = 1e-12;
 
-/// Clamped uniform knots: degree + 1 zeros, even steps, degree + 1 ones.
+/// Clamped uniform knots: degree + 1 zeros, equal steps, degree + 1 ones.
 std::vector<double> knots(int points, int degree) {
   std::vector<double> u(static_cast<std::size_t>(points + degree + 1), 0.0);
   for (int i = 0; i <= points + degree; ++i)

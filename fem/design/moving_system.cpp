@@ -5,8 +5,8 @@
 namespace tactus::fem {
 namespace {
 
-/// If more than this fraction of the elements moved, all are assembled: otherwise their neighbours
-/// would be integrated again, too.
+/// If more than this fraction of the elements moved, all elements are assembled, because a partial
+/// update also integrates the neighbours of moved elements again.
 constexpr double kFullAssemblyShare = 0.7;
 
 } // namespace

@@ -10,8 +10,7 @@
 namespace tactus::fem {
 namespace {
 
-/// Relative norm of a solution after orthogonalisation to the newer ones, below which it is
-/// rounding.
+/// Relative norm below which a solution, orthogonalised to the newer ones, is only rounding error.
 constexpr double kMinRemainder = 1e-9;
 
 double inner_product(std::span<const double> a, std::span<const double> b) {
@@ -21,7 +20,7 @@ double inner_product(std::span<const double> a, std::span<const double> b) {
 } // namespace
 
 void PastSolutions::add(std::span<const double> u) {
-  // A repeated solution of the same shape adds nothing and would displace a useful one.
+  // A repeated solution of the same shape adds nothing and would replace a useful one.
   if (!kept_.empty() && kept_[0].size() == u.size()) {
     double change = 0;
     for (std::size_t i = 0; i < u.size(); ++i)

@@ -12,8 +12,8 @@ class PastSolutions {
 public:
   explicit PastSolutions(std::size_t max_count) : max_count_(max_count) {}
 
-  /// Adds a solution of the free directions, with zeros in held ones, as the newest. Drops the
-  /// oldest beyond `max_count`.
+  /// Adds a solution, with zeros in constrained directions, as the newest. If there are more than
+  /// `max_count`, removes the oldest.
   void add(std::span<const double> u);
   /// The start for K x = b. Zero while no solution is stored.
   void start(const Matrices&, std::span<const double> b, std::span<double> x) const;

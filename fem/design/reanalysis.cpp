@@ -23,12 +23,13 @@ private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Used until a run has measured it: a stretch s along one axis and a compression along another
-/// change an element's stiffness by up to (1 + s)^4 and (1 - s)^4, so the condition number of the
-/// preconditioned matrix is about ((1 + s) / (1 - s))^4, whose logarithm grows by 8 s.
-constexpr double kFirstGrowth = 8; // d log(condition) / ds of that
+/// The growth used until a run has measured it. A stretch s along one axis and a compression along
+/// another change an element's stiffness by up to (1 + s)^4 and (1 - s)^4, so the condition number
+/// of the preconditioned matrix is about ((1 + s) / (1 - s))^4, whose logarithm grows by 8 s.
+constexpr double kFirstGrowth = 8; // d log(condition) / ds
 
-/// Iterations to reduce the error by `tolerance` at a condition number: the classical bound.
+/// Number of iterations that reduces the error by `tolerance` at a condition number, by the
+/// classical bound.
 double iterations_for(double condition, double tolerance) {
   if (!(condition > 1 + 1e-12))
     return 1;
@@ -45,7 +46,7 @@ const char* name(Method method) noexcept {
 
 struct Refactorisation::Implementation {
   std::unique_ptr<ShiftedFactor> factor;
-  std::vector<Vec3> nodes; ///< of the factorised shape
+  std::vector<Vec3> nodes; ///< nodes of the factorised shape
   bool done = false;
 };
 
@@ -65,7 +66,7 @@ struct Reanalysis::Implementation {
   std::vector<DesignVelocity> velocities;
   ReanalysisSettings settings;
   std::vector<Vec3> original; ///< nodes at parameters 0
-  Stopwatch factor_watch;     ///< since the first factorisation began
+  Stopwatch factor_watch;     ///< runs since the first factorisation began
   StaticAnalysis analysis;
   MovingSystem moving;
   PastSolutions past;
@@ -88,7 +89,7 @@ struct Reanalysis::Implementation {
     past.add(free_displacement());
   }
 
-  /// The last solution with zeros in held directions.
+  /// The last solution with zeros in constrained directions.
   [[nodiscard]] std::vector<double> free_displacement() const {
     std::vector<double> u = analysis.solution.displacement;
     for (std::size_t i = 0; i < u.size(); ++i)

@@ -6,7 +6,7 @@ namespace tactus::fem {
 
 /// Methods that compute the stress of a moved shape.
 enum class Method : std::uint8_t {
-  taylor,   ///< s0 + S dp: no solve
+  taylor,   ///< s0 + S dp, without a solve
   combined, ///< combined approximations (Kirsch 1991), three basis vectors
   pcg,      ///< conjugate gradients, preconditioned with the factor of an earlier shape
   refactor  ///< a new factor on the old symbolic analysis
@@ -26,25 +26,25 @@ struct MemoryUse {
 };
 
 struct ReanalysisSettings {
-  double tolerance = 1e-6;            ///< of PCG: ||f - K u|| / ||f||
-  int max_iterations = 60;            ///< PCG refuses beyond this and recommends a new factor
-  int refactor_iterations = 15;       ///< more PCG iterations than this recommend a new factor
-  std::size_t max_past_solutions = 5; ///< PCG starts from their best combination; 0: from zero
-  bool sensitivities = true; ///< S for the Taylor update: one back-substitution a parameter
+  double tolerance = 1e-6;            ///< for PCG: ||f - K u|| / ||f||
+  int max_iterations = 60;            ///< above this, PCG refuses and recommends a new factor
+  int refactor_iterations = 15;       ///< above this, PCG recommends a new factor
+  std::size_t max_past_solutions = 5; ///< PCG starts from their best combination, or from zero if 0
+  bool sensitivities = true; ///< S for the Taylor update, one back-substitution per parameter
 };
 
 /// The result of one update.
 struct StressUpdate {
   Method method = Method::taylor;
   std::vector<double> von_mises, max_shear; ///< at the centroids, [element], Pa
-  int iterations = 0;                       ///< of PCG
+  int iterations = 0;                       ///< iterations of PCG
   double residual = 0;                      ///< ||f - K u|| / ||f||; NaN for Taylor
   double seconds = 0;
-  bool refactor_recommended = false; ///< a new factor would pay: start a Refactorisation
+  bool refactor_recommended = false; ///< a new factor would save time: start a Refactorisation
 };
 
-/// The numeric factorisation of one shape, which the caller may run on a thread of its own: the job
-/// owns its data. run() once, then Reanalysis::adopt().
+/// The numeric factorisation of one shape, which the caller may run in a separate thread, since the
+/// job owns its data. Call run() once, then Reanalysis::adopt().
 class Refactorisation {
 public:
   Refactorisation(Refactorisation&&) noexcept;
@@ -70,16 +70,16 @@ private:
 ///   part.rebase();                        // s0 and S at the present shape
 class Reanalysis {
 public:
-  /// Solves the shape at hand and measures the cost model. Refuses as solve_static() does.
+  /// Solves the present shape and measures the cost model. Refuses as solve_static() does.
   Reanalysis(Mesh, StaticModel, std::vector<DesignVelocity>, ReanalysisSettings = {},
              const Progress& = {});
   ~Reanalysis();
   Reanalysis(const Reanalysis&) = delete;
   Reanalysis& operator=(const Reanalysis&) = delete;
 
-  /// Moves the nodes to parameters p (absolute, 0: the mesh as given). The step is cut to the
-  /// largest fraction on which every element stays valid; the parameters that were reached are
-  /// parameters(). Refuses a wrong count and values that are not finite; the shape then stays as it
+  /// Moves the nodes to parameters p (absolute; 0 is the mesh as given). The step is reduced to the
+  /// largest fraction at which every element stays valid; parameters() returns the parameters that
+  /// were reached. Refuses a wrong count and values that are not finite; the shape then stays as it
   /// was.
   ValidStep move_to(std::span<const double> parameters);
   [[nodiscard]] std::span<const double> parameters() const noexcept;
@@ -91,11 +91,11 @@ public:
   /// Solves by PCG or a new factor, whichever the cost model expects to be faster.
   StressUpdate solve();
 
-  /// Tolerance of further PCG solutions, ||f - K u|| / ||f||. Coarser while a control point is
-  /// dragged, finer when it is released.
+  /// Sets the tolerance of further PCG solutions, ||f - K u|| / ||f||. Callers use a coarser one
+  /// while a control point is dragged and a finer one when it is released.
   void set_tolerance(double) noexcept;
 
-  /// The job of factorising the present shape.
+  /// A job that factorises the present shape.
   [[nodiscard]] Refactorisation refactorisation();
   /// Installs a factor whose run() has ended as the preconditioner of PCG.
   void adopt(Refactorisation);
@@ -105,15 +105,15 @@ public:
 
   [[nodiscard]] const Mesh& mesh() const noexcept;
   [[nodiscard]] const StaticModel& model() const noexcept;
-  [[nodiscard]] const StaticSolution& solution() const noexcept; ///< of the last solve
+  [[nodiscard]] const StaticSolution& solution() const noexcept; ///< the last solution
   [[nodiscard]] const StressSensitivity& sensitivity() const noexcept;
   [[nodiscard]] std::span<const double> base_von_mises() const noexcept;
   [[nodiscard]] std::span<const double> base_max_shear() const noexcept;
   [[nodiscard]] std::span<const double> base_parameters() const noexcept;
   [[nodiscard]] const CostModel& cost() const noexcept;
   [[nodiscard]] MemoryUse memory() const;
-  /// PCG iterations expected at parameters(), from the spread of the preconditioned spectrum that
-  /// the last run saw (Lanczos), which grows exponentially with the move from the factor's shape.
+  /// PCG iterations expected at parameters(), from the spread of the preconditioned spectrum in the
+  /// last run (Lanczos). The spread grows exponentially with the move from the factor's shape.
   [[nodiscard]] double expected_iterations() const;
 
 private:

@@ -8,14 +8,15 @@
 namespace tactus::fem {
 namespace {
 
-/// Parameters whose integrals are computed in one pass over the elements, which share the geometry.
+/// Number of parameters whose integrals are computed in one pass over the elements, since they
+/// share the geometry.
 constexpr std::size_t kBlockParameters = 8;
 
 /// The design velocities V = dX/dp of up to eight parameters at every node.
 struct VelocityBlock {
   std::size_t count = 0;
   std::vector<std::array<Vec3, kBlockParameters>> of_node;
-  std::vector<std::uint8_t> moves; ///< [node], a bit a parameter
+  std::vector<std::uint8_t> moves; ///< [node], one bit per parameter
 
   VelocityBlock(std::size_t nodes, std::span<const DesignVelocity> velocities)
       : count(velocities.size()), of_node(nodes), moves(nodes, 0) {
@@ -32,7 +33,7 @@ struct VelocityBlock {
       any |= moves[static_cast<std::size_t>(n)];
     return any;
   }
-  /// L of parameter k at a point.
+  /// L, the gradient of V, of parameter k at a point.
   [[nodiscard]] Tensor gradient(const PointGradients& at, std::span<const int> nodes,
                                 std::size_t k) const noexcept {
     Tensor l{};
@@ -217,7 +218,7 @@ ScalarSlopes slopes_of(const StressScalar& scalar, std::span<const double> s,
                      ", expected 1 or more");
   if (largest == 0)
     return slopes;
-  double sum = 0; // scaled by the largest: powers overflow
+  double sum = 0; // scaled by the largest, since powers could overflow
   for (std::size_t e = 0; e < n; ++e)
     sum += volumes[e] / whole * std::pow(s[e] / largest, p);
   slopes.value = largest * std::pow(sum, 1 / p);

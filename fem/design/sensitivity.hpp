@@ -4,7 +4,7 @@
 
 namespace tactus::fem {
 
-/// The equivalent stress: which scalar is formed of a stress tensor.
+/// The equivalent stress: the scalar formed from a stress tensor.
 enum class StressMeasure : std::uint8_t { von_mises, max_shear };
 
 /// Equivalent stress of each element from its stress at the centroid, Pa.
@@ -13,10 +13,10 @@ enum class StressMeasure : std::uint8_t { von_mises, max_shear };
 /// Derivatives of both equivalent stresses by the design parameters.
 struct StressSensitivity {
   std::vector<float> von_mises; ///< [parameter][element], Pa per unit of the parameter
-  std::vector<float> max_shear; ///< the same
+  std::vector<float> max_shear; ///< as von_mises
 };
 
-/// du/dp by the direct method, one back-substitution a parameter:
+/// du/dp by the direct method, one back-substitution per parameter:
 ///   K du/dp = f' - K' u.
 /// K' u is the material derivative of the element integrals (Choi & Kim, Structural Sensitivity
 /// Analysis and Optimization 1, ch. 6), exact at the quadrature points: with the design velocity V
@@ -28,12 +28,13 @@ struct StressSensitivity {
                                                            std::span<const DesignVelocity>);
 
 /// Derivatives of both equivalent stresses in every element, from d sigma = C sym(grad du - grad u
-/// L). Eight parameters at a time, so that du/dp of all parameters is never in memory at once.
+/// L). Computes eight parameters at a time, so that du/dp of all parameters is never in memory at
+/// once.
 [[nodiscard]] StressSensitivity stress_sensitivity(const Mesh&, const StaticModel&, StaticAnalysis&,
                                                    std::span<const DesignVelocity>,
                                                    const Progress& = {});
 
-/// A scalar of the whole stress field of a measure s at the centroids.
+/// A scalar of the whole stress field, with the measure s at the centroids.
 struct StressScalar {
   enum class Kind : std::uint8_t {
     mean,        ///< (1/N) sum s
@@ -51,8 +52,8 @@ struct Gradient {
   std::vector<double> by_parameter;
 };
 
-/// The scalar (Pa) and its gradient by the adjoint method: one back-substitution, however many
-/// parameters.
+/// The scalar (Pa) and its gradient by the adjoint method: one back-substitution, whatever the
+/// number of parameters.
 [[nodiscard]] Gradient stress_scalar(const Mesh&, const StaticModel&, StaticAnalysis&,
                                      const StressScalar&, std::span<const DesignVelocity>);
 

@@ -6,8 +6,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Relative to the mean element size: there the truncation (1e-10) and rounding (1e-11) of the
-/// difference are of similar size.
+/// Step relative to the mean element size, at which truncation (1e-10) and rounding (1e-11) of the
+/// difference are similar.
 constexpr double kRelativeStep = 1e-5;
 
 /// into_b += weight P grad N_b.

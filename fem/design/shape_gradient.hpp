@@ -5,21 +5,21 @@
 
 namespace tactus::fem {
 
-/// A derivative by every node's position, [node], and its contraction with design velocities.
+/// A derivative by every node's position, [node].
 using NodeGradient = std::vector<Vec3>;
 [[nodiscard]] std::vector<double> by_parameter(const NodeGradient&,
                                                std::span<const DesignVelocity>);
 
 /// Adds factor * d(v' f_int(u))/dX of the elements' internal forces f_int = integral of B'
-/// sigma(u), u and v held constant. With H = grad u, G = grad v, S = C sym G and the velocity
-/// gradient L:
+/// sigma(u), u and v constant. With H = grad u, G = grad v, S = C sym G and the velocity gradient
+/// L:
 ///   integral of P : L,   P = -(H' S) - (G' sigma) + (sigma : G) I,
 /// Eshelby's tensor for u = v. Symmetric in u and v.
 void add_internal_force_gradient(const Mesh&, std::span<const ElasticLaw>,
                                  std::span<const double> u, std::span<const double> v,
                                  double factor, NodeGradient& into);
 
-/// Adds factor * d(integral of rho u . v)/dX, the mass's part.
+/// Adds factor * d(integral of rho u . v)/dX, the contribution of the mass.
 void add_mass_gradient(const Mesh&, std::span<const ElasticLaw>, std::span<const double> u,
                        std::span<const double> v, double factor, NodeGradient& into);
 
@@ -30,8 +30,9 @@ void add_volume_gradient(const Mesh&, std::span<const double> factor, NodeGradie
 void add_gravity_gradient(const Mesh&, std::span<const ElasticLaw>, std::span<const Load>,
                           std::span<const double> v, double factor, NodeGradient& into);
 
-/// d/dp of the nodal forces of face loads less those on the springs, u held constant: f' - K_s' u,
-/// by a central difference along the design velocity. Empty when none of their faces moves.
+/// d/dp, at constant u, of the nodal forces of face loads minus the forces on the springs: f' -
+/// K_s' u, by a central difference along the design velocity. along() returns an empty vector if
+/// none of these faces moves.
 class FaceForceDerivative {
 public:
   FaceForceDerivative(const Mesh&, const StaticModel&);
@@ -40,10 +41,10 @@ public:
 private:
   Mesh mesh_;
   std::span<const Material> materials_;
-  std::vector<Load> loads_; ///< those on faces
+  std::vector<Load> loads_; ///< loads on faces
   std::span<const SpringPatch> springs_;
   std::vector<std::uint8_t> on_face_; ///< [node]
-  double size_;                       ///< of a mean element, m
+  double size_;                       ///< mean element size, m
 };
 
 } // namespace tactus::fem

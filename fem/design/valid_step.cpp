@@ -60,7 +60,7 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vec3> target, double min_
   }
   Mesh trial = mesh;
   struct Quality {
-    double jacobian, volume; // scaled; of the element's own
+    double jacobian, volume; // scaled Jacobian; volume relative to the element's own
     [[nodiscard]] bool satisfies(double min_jacobian, double min_volume) const {
       return jacobian >= min_jacobian && volume >= min_volume;
     }
@@ -71,7 +71,7 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vec3> target, double min_
       const auto node = static_cast<std::size_t>(n);
       trial.nodes[node] = mesh.nodes[node] + fraction * (target[node] - mesh.nodes[node]);
     }
-    // An element that was inside out to begin with may shrink.
+    // An element that is inverted at the start may shrink.
     const double own = volume_of(mesh, e);
     return {scaled_jacobian(trial, e), own > 0 ? volume_of(trial, e) / own : 1};
   };

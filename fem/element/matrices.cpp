@@ -7,11 +7,11 @@
 namespace tactus::fem {
 namespace {
 
-/// sum over the quadrature points of w dV (grad N_a)_i (grad N_b)_j: all that an element's
-/// stiffness takes of its shape. Of one node a, with the nodes b side by side: [3 i + j][b].
+/// sum over the quadrature points of w dV (grad N_a)_i (grad N_b)_j: all shape data that an
+/// element's stiffness needs. The products of one node a with all nodes b: [3 i + j][b].
 using OuterProducts = std::array<std::array<double, kMaxNodes>, 9>;
 
-constexpr std::size_t kMaxStiffnessPoints = 27; ///< hex20's
+constexpr std::size_t kMaxStiffnessPoints = 27; ///< the number of hex20
 
 /// Slopes of all nodes at a point, by direction.
 using Slopes = std::array<std::array<double, kMaxNodes>, 3>;

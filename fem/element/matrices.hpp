@@ -4,12 +4,12 @@
 
 namespace tactus::fem {
 
-/// The elastic law of a material in the form that element integrals need: Lamé's constants where it
-/// is isotropic, and the elastic matrix C.
+/// The elastic law of a material in the form that element integrals need: Lamé's constants if it is
+/// isotropic, and the elastic matrix C.
 struct ElasticLaw {
   explicit ElasticLaw(const Material&);
   bool isotropic;
-  double lame_lambda = 0, lame_mu = 0; ///< Pa, where isotropic
+  double lame_lambda = 0, lame_mu = 0; ///< Pa, if isotropic
   double density;                      ///< kg/m^3
   ElasticMatrix matrix;                ///< Pa
 };

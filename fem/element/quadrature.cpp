@@ -66,8 +66,8 @@ Points wedge() {
   return points;
 }
 
-/// Those of the hexahedron, whose upper face is collapsed to the apex: t = (1 + z) / 2, and r and s
-/// shrink with 1 - t.
+/// The points of a hexahedron whose upper face is collapsed to the apex: t = (1 + z) / 2, and r and
+/// s shrink with 1 - t.
 Points pyramid(int count) {
   Points points = hexahedron(count);
   for (QuadraturePoint& q : points) {

@@ -11,8 +11,8 @@ struct QuadraturePoint {
   double weight;
 };
 
-/// Points for the stiffness. Exact for straight-sided elements, but for hex20's highest terms:
-/// 1 point tet4, 4 tet10 (degree 2), 2x2x2 hex8, 3x3x3 hex20, 6x3 wedge15.
+/// Points for the stiffness. Exact for straight-sided elements, except for hex20's highest terms: 1
+/// point tet4, 4 tet10 (degree 2), 2x2x2 hex8, 3x3x3 hex20, 6x3 wedge15.
 [[nodiscard]] std::span<const QuadraturePoint> stiffness_points(Shape);
 
 /// Points for the consistent mass: products of shape functions are integrated exactly on

@@ -103,8 +103,8 @@ void linear_wedge(const Vec3& p, ShapeValues& out) noexcept {
   }
 }
 
-/// Bilinear on the base and linear on the sides, so that hexahedra and tetrahedra fit to it; the
-/// quotients have their limits along the axis at the apex (Bedrosian 1992).
+/// Bilinear on the base and linear on the sides, so that hexahedra and tetrahedra can join it. At
+/// the apex the quotients have their limits along the axis (Bedrosian 1992).
 void pyramid(const Vec3& p, ShapeValues& out) noexcept {
   const double h = 1 - p.z, u = h > 0 ? p.x / h : 0, v = h > 0 ? p.y / h : 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -145,7 +145,7 @@ void hexahedron(const Vec3& x, bool quadratic, ShapeValues& out) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3& p = kHex[i];
     const Vec3 a{1 + p.x * x.x, 1 + p.y * x.y, 1 + p.z * x.z};
-    int along = -1; // the direction an edge node's edge runs in
+    int along = -1; // the direction of an edge node's edge
     for (int k = 0; k < 3; ++k)
       if (p[k] == 0)
         along = k;

@@ -19,7 +19,8 @@ namespace tactus::fem {
 ///                     1                       \ | /               |/      |/
 ///                                               1                 0-------1
 ///
-/// The linear ones are far too stiff for frequencies and are only read. pyramid5 has its apex last.
+/// Linear elements are far too stiff for frequencies; they are accepted only from files. pyramid5
+/// has its apex last.
 enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15, wedge6, pyramid5 };
 
 inline constexpr std::size_t kShapes = 7;
@@ -40,7 +41,7 @@ template <class Make> auto for_shapes(Make&& make) {
 /// VTK's number of the cell type.
 [[nodiscard]] int vtk_type(Shape) noexcept;
 
-/// Values N and reference derivatives dN of all shape functions at one reference point.
+/// Values N of all shape functions at one reference point, and their reference derivatives dN.
 struct ShapeValues {
   std::array<double, kMaxNodes> value;
   std::array<Vec3, kMaxNodes> derivative;

@@ -17,7 +17,7 @@ struct Tabulated {
 [[nodiscard]] const Tabulated& at_stiffness_points(Shape);
 [[nodiscard]] const Tabulated& at_mass_points(Shape);
 
-/// Volume of an element, m^3; below 0 where it is inside out.
+/// Volume of an element, m^3; below 0 if it is inverted.
 [[nodiscard]] inline double volume_of(const Mesh& mesh, const Element& e) {
   const Tabulated& table = at_mass_points(e.shape);
   double sum = 0;
@@ -29,7 +29,7 @@ struct Tabulated {
 /// Gradients in space of an element's shape functions at a point.
 struct PointGradients {
   std::array<Vec3, kMaxNodes> slope; ///< grad N_a, 1/m
-  double determinant = 0;            ///< dV by reference volume, m^3
+  double determinant = 0;            ///< dV relative to the reference volume, m^3
 };
 inline void gradients(const Mesh& mesh, const Element& e, const ShapeValues& values,
                       PointGradients& out) noexcept {

@@ -11,7 +11,7 @@ std::vector<double> balanced_factors(const ErrorCells& cells, double target,
   const std::size_t modes = cells.share.size(), count = cells.order.size();
   std::vector<double> weight(modes, 1.0 / static_cast<double>(modes)), factor, error(count),
       left(count), predicted(modes);
-  double low = -60, high = 60; // of ln pressure, narrowed from round to round
+  double low = -60, high = 60; // bounds of ln pressure, narrowed in each round
   for (int round = 0; round < rounds; ++round) {
     std::fill(error.begin(), error.end(), 0.0);
     for (std::size_t k = 0; k < modes; ++k)

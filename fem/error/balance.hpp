@@ -5,9 +5,9 @@
 
 namespace tactus::fem {
 
-/// Orders of convergence. The error of a frequency goes as h^4 in an element of size h; in one at a
-/// singular edge as h^(2a), a = 0.544 at an inner angle of 270 degrees (Strang & Fix 1973, chapter
-/// 8).
+/// Orders of convergence. The error of a frequency is proportional to h^4 in an element of size h.
+/// In an element at a singular edge it is proportional to h^(2a), a = 0.544 at an inner angle of
+/// 270 degrees (Strang & Fix 1973, chapter 8).
 inline constexpr double kSmoothOrder = 4, kSingularOrder = 1.1;
 
 /// Limits of the factor by which a refinement may change the size of an element.
@@ -24,9 +24,9 @@ struct ErrorCells {
 
 /// Factors on the sizes of cells after which every mode's predicted error, sum_i share[k][i]
 /// factor_i^order_i, is at most `target`. `rule(error, pressure)` returns the factors that satisfy
-/// Lagrange's conditions, given one error per cell and a multiplier; a larger multiplier makes them
-/// smaller. The multiplier is found by bisection. The modes' errors are weighted, and a mode's
-/// weight rises while its predicted error exceeds the others'.
+/// Lagrange's conditions, given one error per cell and a multiplier; a larger multiplier makes the
+/// factors smaller. The multiplier is found by bisection. The modes' errors are weighted. A mode's
+/// weight rises while its predicted error exceeds that of the other modes.
 using FactorRule =
     std::function<std::vector<double>(std::span<const double> error, double pressure)>;
 [[nodiscard]] std::vector<double> balanced_factors(const ErrorCells&, double target,

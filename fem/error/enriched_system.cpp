@@ -107,7 +107,8 @@ void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
         couple(enriching[b], s, &sum[9 * (w * v + a * (a + 1) / 2 + b)]);
     }
   }
-  // Stored as (b, a): row of b, column of a. Held rows and columns are empty.
+  // Stored as (b, a), with the row of b and the column of a. Constrained rows and columns are
+  // empty.
   const auto constrained = [&](std::size_t a, std::size_t k) {
     return functions_.constrained[unknown(index, a) + k] != 0;
   };

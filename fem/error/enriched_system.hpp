@@ -10,13 +10,13 @@
 
 namespace tactus::fem {
 
-/// How many modes are processed together.
+/// Number of modes processed together.
 inline constexpr std::size_t kBlockColumns = 8;
 using Lanes = std::array<double, kBlockColumns>;
 
 /// The element matrices of the enriching space W beside the mesh's own space V, one after another
 /// in single precision (its rounding is far below the error of the estimate): first K_WV, then the
-/// lower blocks of K_WW, nine numbers a pair.
+/// lower blocks of K_WW, nine numbers per pair.
 class EnrichedSystem {
 public:
   EnrichedSystem(const Mesh&, std::span<const Material>, const Matrices&);

@@ -57,7 +57,8 @@ std::vector<EnrichingFunction> list(Shape shape) {
     functions.push_back(f);
   }
   for (const Face& face : faces(shape)) {
-    if (is_linear(shape) && face.corners == 3) // the edges have all its quadratics
+    if (is_linear(shape) && face.corners == 3) // the edge functions contain all quadratics of such
+                                               // a face
       continue;
     EnrichingFunction f{EntityKind::face, {-1, -1, -1, -1}, {}};
     std::copy_n(face.node.begin(), face.corners, f.corner.begin());
@@ -122,7 +123,7 @@ void wedge(const Vec3& p, bool linear, std::span<Factor> out) noexcept {
           Factor{27, {}} * l[0] * l[1] * l[2] * level[static_cast<std::size_t>(f.node[0] / 3)];
       continue;
     }
-    int a = -1, b = -1; // the triangle's corners under this side
+    int a = -1, b = -1; // the two corners of the triangle at this side
     for (const int n : f.node)
       if (n >= 0 && n < 3)
         (a < 0 ? a : b) = n;
@@ -130,8 +131,8 @@ void wedge(const Vec3& p, bool linear, std::span<Factor> out) noexcept {
   }
 }
 
-/// On the base as a linear hexahedron's, on the sides as a linear tetrahedron's functions, with
-/// u = r / (1 - t) and v = s / (1 - t).
+/// The functions equal a linear hexahedron's on the base and a linear tetrahedron's on the sides,
+/// with u = r / (1 - t) and v = s / (1 - t).
 void pyramid(const Vec3& p, std::span<Factor> out) noexcept {
   const double h = std::max(1 - p.z, 1e-12), u = p.x / h, v = p.y / h;
   const Factor up{p.z, {0, 0, 1}}, down{h, {0, 0, -1}};

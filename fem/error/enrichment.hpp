@@ -18,8 +18,8 @@ enum class EntityKind : std::uint8_t { edge, face, interior };
 
 struct EnrichingFunction {
   EntityKind kind;
-  std::array<int, 4> corner;   ///< of the edge or face, in the element's numbering; unused: -1
-  std::array<double, 3> share; ///< how much of it varies along each reference axis; sums to one
+  std::array<int, 4> corner;   ///< corners of the edge or face; -1 if unused
+  std::array<double, 3> share; ///< share of its variation along each reference axis
 };
 
 inline constexpr int kMaxEnriching = 19;
@@ -27,19 +27,20 @@ inline constexpr int kMaxEnriching = 19;
 /// The enriching functions of a shape, in a fixed order. Reference axes as in `Element::interval`.
 [[nodiscard]] std::span<const EnrichingFunction> enriching_functions(Shape) noexcept;
 
-/// Values and reference derivatives at a point, edges oriented as listed. Entries beyond the
-/// shape's functions are untouched.
+/// Values and reference derivatives at a point, edges oriented as listed. Further entries stay
+/// unchanged.
 void evaluate_enrichment(Shape, const Vec3& at, ShapeValues& out) noexcept;
 
-/// The enriching functions of a mesh, numbered: each element's functions stand at
-/// `number[first[e]..]`, with -1 in `sign` where the element's orientation of an odd edge function
-/// is opposite.
+/// The enriching functions of a mesh, numbered: the numbers of an element's functions begin at
+/// `number[first[e]]`. `sign` is -1 if the element's orientation of an odd edge function is
+/// opposite.
 struct Enrichment {
   std::vector<std::size_t> first; ///< element count + 1
   std::vector<int> number;
   std::vector<std::int8_t> sign;
   std::size_t count = 0;
-  std::vector<std::uint8_t> constrained; ///< 3 a function: every node of its edge or face is held
+  std::vector<std::uint8_t> constrained; ///< 3 per function: all nodes of its edge or face are
+                                         ///< constrained
 
   Enrichment(const Mesh&, std::span<const std::uint8_t> constrained_nodes);
 };

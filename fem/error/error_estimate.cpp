@@ -42,8 +42,8 @@ public:
         down_(dofs), r_(right), z_(right), p_(right), q_(right), flat_(dofs * kBlockColumns) {}
 
   std::vector<Lanes> right, e; ///< r on entry, and the solution
-  Lanes eta{};                 ///< r'e after the steps so far
-  Lanes added{};               ///< by the last step
+  Lanes eta{};                 ///< r'e after all steps so far
+  Lanes added{};               ///< added by the last step
   Lanes ratio{};               ///< last step's contribution over the previous one's
 
   /// Iterates until a step adds less than `settle` of r'e in every column. Returns the number of
@@ -110,7 +110,7 @@ private:
   ShiftedFactor& factor_;
   std::size_t n_;
   std::vector<Lanes> down_, r_, z_, p_, q_;
-  std::vector<double> flat_; ///< down_ in columns
+  std::vector<double> flat_; ///< down_, stored in columns
   Lanes rz_{};
 };
 
@@ -122,7 +122,7 @@ std::vector<int> elements_of_functions(const Enrichment& enrichment) {
   return count;
 }
 
-/// Adds what each element contributes to modes `begin` to `begin + width`: r'e of its functions,
+/// Adds each element's contribution to modes `begin` to `begin + width`: r'e of its functions,
 /// extrapolated to further steps.
 class ErrorShares {
 public:
@@ -195,7 +195,8 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
 
 ErrorCells interval_errors(const Mesh& mesh, std::span<const std::uint8_t> constrained,
                            const ErrorEstimate& estimate, std::size_t intervals) {
-  // An interval's order is the mean over its elements, by what they add to each mode's error.
+  // An interval's order is the mean over its elements, weighted with their contributions to each
+  // mode's error.
   ErrorCells cells{{}, std::vector<double>(intervals, 0.0)};
   std::vector<double> weight(intervals, 1e-12);
   const auto singular = singular_axes(mesh, constrained);

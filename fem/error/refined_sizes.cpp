@@ -10,7 +10,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kSlope = .5; ///< of sizes over distance
+constexpr double kSlope = .5; ///< slope of sizes over distance
 
 double mean_edge(const Mesh& mesh, std::span<const int> corners) {
   double sum = 0;
@@ -32,7 +32,7 @@ double mean_side(const Mesh& mesh, std::span<const int> corners) {
 }
 
 /// The size field of a mesh's cells with the given target sizes: each corner gets the smallest
-/// target of the cells around it, limited to a growth of kSlope along the cells' edges from smaller
+/// target of the cells around it. Along the cells' edges, sizes grow by at most kSlope from smaller
 /// ones (Dijkstra).
 SizeField field_of(const Mesh& mesh, const std::vector<std::span<const int>>& cells,
                    std::span<const double> target_sizes) {
@@ -136,8 +136,8 @@ std::optional<SweptLayers> swept_layers(const Mesh& mesh) {
 SizeField refined_swept_sizes(const Mesh& mesh, const SweptLayers& swept, const ErrorCells& cells,
                               double target) {
   const std::size_t columns = swept.columns, all = swept.intervals();
-  // f_c^(order + 2) = 2 N / (pressure order error), N the layers there will be, and
-  // g_l^(order + 1) = C / (pressure order error), C the columns: each follows the other.
+  // f_c^(order + 2) = 2 N / (pressure order error), with N the new number of layers, and g_l^(order
+  // + 1) = C / (pressure order error), with C the number of columns. N and C depend on each other.
   const auto rule = [&](std::span<const double> error, double pressure) {
     std::vector<double> factor(error.size(), 1e3);
     double base = static_cast<double>(columns), layers = static_cast<double>(all - columns);

@@ -50,9 +50,9 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
     const auto& [a, b] = sides[i].edge;
     const auto& f = skin.triangles[sides[i].triangle];
     const Vec3 n = normal(f), m = normal(skin.triangles[sides[i + 1].triangle]);
-    // From one normal to the next about the edge, as the first triangle runs along it: positive
-    // where the body is convex. Far corners would not do: on thin facets at a round edge they are
-    // farther off by the roundness than by the facet.
+    // The angle from one normal to the next about the edge, in the direction of the first triangle;
+    // positive where the body is convex. The far corners would not give its sign: on thin facets at
+    // a round edge, the roundness moves them more than the facet does.
     Vec3 along = mesh.nodes[b] - mesh.nodes[a];
     for (std::size_t k = 0; k < 3; ++k)
       if (node(f[k]) == b && node(f[(k + 1) % 3]) == a)

@@ -127,7 +127,7 @@ void write_static_inp(const std::string& path, const Mesh& mesh, const StaticMod
 void write_petsc(const std::string& path, const Matrices& m) {
   SafeFile file(path);
   const std::size_t n = m.dofs(), nodes = m.graph.node_count();
-  // Both triangles by rows: for every node the pairs it is the row or the column of.
+  // Both triangles by rows: for every node, the pairs in which it is the row or the column.
   struct Pair {
     std::size_t column, at;
     bool transposed;
@@ -198,7 +198,7 @@ void write_petsc_vectors(const std::string& path, std::span<const double> vector
 
 namespace {
 
-/// All PETSc vectors in a file, one after the other.
+/// Reads all PETSc vectors of a file, one after the other.
 std::vector<std::vector<double>> read_vectors(const std::string& path) {
   const std::string bytes = read_bytes(path, std::uint64_t{1} << 40);
   const auto big = [&](std::size_t at, std::size_t size) {

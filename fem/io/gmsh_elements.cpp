@@ -6,7 +6,7 @@
 namespace tactus::fem {
 namespace {
 
-// Mid-edge nodes are numbered in another order by gmsh than in fem/element/shape.cpp.
+// gmsh numbers mid-edge nodes in another order than fem/element/shape.cpp.
 constexpr GmshElement kElements[]{
     {1, "2-node line", 1, 2},
     {2, "3-node triangle", 2, 3},

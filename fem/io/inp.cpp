@@ -27,7 +27,8 @@ std::optional<Shape> shape_of(std::string_view type) {
   return std::nullopt;
 }
 
-/// Plane, shell, membrane and line elements. Meshers write those of the skin beside the solids.
+/// Plane, shell, membrane and line elements. Meshers write such elements for the skin, besides the
+/// solids.
 bool carries_no_volume(std::string_view type) {
   constexpr std::array<std::string_view, 14> kNames{
       "cps", "cpe", "cax", "s3", "s4", "s6", "s8", "m3d", "sfm", "t2d", "t3d", "b21", "b31", "b32"};
@@ -50,7 +51,7 @@ bool is_of_analysis(const std::string& keyword) {
 /// A set with the spelling of its first occurrence; names in a file are case-insensitive.
 struct InpSet {
   std::string name;
-  std::vector<int> members; ///< indices; -1: an element without volume
+  std::vector<int> members; ///< indices; -1 for an element without volume
 };
 using InpSets = std::map<std::string, InpSet>;
 
@@ -61,13 +62,14 @@ InpSet& set_named(InpSets& sets, const std::string& name) {
   return set;
 }
 
-/// What numbers and names mean: of the file, or of an instance, whose names begin with "NAME.".
+/// The meaning of numbers and names in the file, or in an instance, whose names begin with "NAME.".
 struct InpScope {
   std::string prefix;
-  std::map<int, int> node_of, element_of; ///< not hashed: the numbers are untrusted
+  std::map<int, int> node_of, element_of; ///< not hashed, because the numbers are untrusted
 };
 
-/// Moves by `shift`, then turns by `angle` about the line through `from` along `axis`, as Abaqus.
+/// Moves by `shift`, then turns by `angle` about the line through `from` along `axis`, as Abaqus
+/// does.
 struct Placement {
   Vec3 shift{}, from{}, axis{0, 0, 1};
   double angle = 0;
@@ -81,7 +83,7 @@ struct Placement {
   }
 };
 
-constexpr std::size_t kMaxInstances = 1000; // each reads its part again
+constexpr std::size_t kMaxInstances = 1000; // limited, because each instance reads its part again
 
 /// Reads the file line by line into a mesh. The last keyword decides how data lines are read.
 class InpReader {
@@ -124,7 +126,7 @@ private:
     void (InpReader::*begin)() = nullptr;
     void (InpReader::*add)() = nullptr;
   };
-  static const Block kPassedOver; ///< of the analysis
+  static const Block kPassedOver; ///< for keywords of the analysis
   static const std::map<std::string, Block>& blocks() {
     static const std::map<std::string, Block> all{
         {"node", {{"nset"}, nullptr, &InpReader::add_node}},
@@ -197,7 +199,8 @@ private:
       (this->*block_->begin)();
   }
 
-  /// Stores a part's lines: they are read for each instance of the part, under the instance's name.
+  /// Stores a part's lines, which are read for each instance of the part, under the instance's
+  /// name.
   void keep_part() {
     if (scope_ != &file_)
       lines_.refuse(keyword_.words + " in an instance", keyword_.line);
@@ -234,8 +237,8 @@ private:
     const std::size_t expected = ++placement_lines_ == 1 ? 3 : 7;
     if (placement_lines_ > 2 || cells.size() != expected)
       lines_.refuse(printable(lines_.text(), 60) +
-                    ", expected a line of x,y,z to move by and one of two points and an angle in "
-                    "degrees to turn by");
+                    ", expected a line with the shift x,y,z and a line with two points and an "
+                    "angle in degrees to turn by");
     std::transform(cells.begin(), cells.end(), x.begin(),
                    [this](const std::string& cell) { return lines_.number(cell); });
     if (expected == 3) {
@@ -338,7 +341,8 @@ private:
     define_element(static_cast<int>(mesh_.elements.size()));
     add_uncollapsed(nodes);
   }
-  /// CalculiX has no pyramid: a brick with repeated nodes is a pyramid, wedge or tetrahedron.
+  /// CalculiX has no pyramid. A brick with repeated nodes is read as a pyramid, wedge or
+  /// tetrahedron.
   void add_uncollapsed(const std::vector<int>& n) {
     const bool brick = *shape_ == Shape::hex8;
     const bool apex = brick && n[4] == n[5] && n[5] == n[6] && n[6] == n[7];
@@ -396,7 +400,7 @@ private:
   void add_to_element_set() {
     add_to_set(element_sets_, [this](int number) { return element(number); });
   }
-  /// Numbers, names of sets, or with GENERATE the first, the last and a step.
+  /// Adds numbers, names of sets or, with GENERATE, a range of first, last and step.
   template <class Find> void add_to_set(const InpSets& sets, Find&& find) {
     const auto cells = lines_.cells();
     const std::size_t before = members_->size();
@@ -411,7 +415,8 @@ private:
         if (to_number<int>(cell)) {
           members_->push_back(find(id(cell)));
         } else {
-          const std::vector<int> named = members_of(sets, cell); // a copy: of the set itself, too
+          const std::vector<int> named = members_of(sets, cell); // a copy, since the set may
+                                                                 // contain itself
           members_->insert(members_->end(), named.begin(), named.end());
         }
     }
@@ -449,7 +454,7 @@ private:
   }
   void add_thickness() { materials_.add_thickness(); }
 
-  /// The section of each element; -1 where it has none.
+  /// The section of each element; -1 if it has none.
   [[nodiscard]] std::vector<int> sections_of_elements() const {
     std::vector<int> sections(mesh_.elements.size(), -1);
     int number = 0;
@@ -509,7 +514,8 @@ private:
     if (materials_.sections().empty())
       mesh_.materials.clear();
   }
-  /// Named by its ELSET, or by its section's where that is divided into several.
+  /// Adds a region. Its name is the section's ELSET, or its own ELSET if the section is divided
+  /// into several regions.
   void add_region(const std::string& set, int section, bool divided) {
     const bool has_section = section >= 0;
     const auto& all = materials_.sections();
@@ -528,7 +534,7 @@ private:
       mesh_.materials.back() = materials_.material_of(all[static_cast<std::size_t>(section)]);
   }
 
-  /// Names what is taken from the file beside its mesh, and what is not.
+  /// Reports the contents of the file, besides the mesh, that are used and those that are ignored.
   void report(const std::function<void(const std::string&)>& notify) const {
     for (std::size_t r = 0; r < mesh_.materials.size(); ++r)
       if (const auto& m = mesh_.materials[r])
@@ -551,7 +557,7 @@ private:
 
   struct Numbered {
     int number;
-    std::string set; ///< of *ELEMENT
+    std::string set; ///< set of *ELEMENT
   };
   struct Counted {
     std::string words;
@@ -560,28 +566,29 @@ private:
 
   InpLines lines_;
   InpMaterials materials_;
-  double unit_; ///< metres a unit of the file
+  double unit_; ///< metres per unit of the file
   Mesh mesh_;
   InpScope file_;
-  std::map<std::string, InpScope> instances_; ///< by their names in lower case, as parts
+  std::map<std::string, InpScope> instances_; ///< by name in lower case, as parts_
   std::map<std::string, InpLines::Kept> parts_;
   std::set<std::string> unused_parts_;
-  std::map<std::string, InpLines::Kept>::const_iterator part_; ///< of the last instance
+  std::map<std::string, InpLines::Kept>::const_iterator part_; ///< part of the last instance
   InpScope* scope_ = &file_;                                   ///< scope of definitions
   const InpScope* within_ = &file_;                            ///< scope of references
-  Placement placement_;                                        ///< of the instance being read
+  Placement placement_;                                        ///< placement of the instance being
+                                                               ///< read
   bool placing_ = false;
   int placement_lines_ = 0;
-  std::vector<Numbered> elements_; ///< those with volume
+  std::vector<Numbered> elements_; ///< elements with volume
   InpSets node_sets_, element_sets_;
   InpKeyword keyword_;
   const Block* block_ = nullptr;
   bool in_step_ = false, continued_ = false;
-  std::optional<Shape> shape_;          ///< of *ELEMENT; none: without volume
+  std::optional<Shape> shape_;          ///< shape of *ELEMENT; empty without volume
   std::vector<int> pending_;            ///< an element's numbers may run over several lines
-  std::vector<int>* members_ = nullptr; ///< of the set being read
+  std::vector<int>* members_ = nullptr; ///< members of the set being read
   std::size_t in_sets_ = 0;
-  std::map<std::string, Counted> flat_, passed_over_; ///< by type, by keyword
+  std::map<std::string, Counted> flat_, passed_over_; ///< by type and by keyword
 };
 
 const InpReader::Block InpReader::kPassedOver{};

@@ -9,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-/// Like split() at commas, but not at those within quotation marks.
+/// Like split() at commas, but not at commas within quotation marks.
 std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells;
   std::size_t first = 0;

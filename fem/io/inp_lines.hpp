@@ -6,17 +6,18 @@
 
 namespace tactus::fem {
 
-/// A line that begins with `*`, and those it is continued on.
+/// A line that begins with `*`, and the lines that continue it.
 struct InpKeyword {
-  std::string name;  ///< in lower case and without blanks, as CalculiX compares it: "solidsection"
-  std::string words; ///< as it is written, for messages: "*SOLID SECTION"
-  std::map<std::string, std::string> parameters; ///< by their names in lower case
+  std::string name;  ///< in lower case without blanks, as CalculiX compares it, such as
+                     ///< "solidsection"
+  std::string words; ///< as written, for messages, such as "*SOLID SECTION"
+  std::map<std::string, std::string> parameters; ///< by name in lower case
   int line = 0;
 
   [[nodiscard]] bool has(const std::string& parameter) const {
     return parameters.contains(parameter);
   }
-  /// Empty where it is not given.
+  /// Returns the parameter's value; empty if it is not given.
   [[nodiscard]] std::string value(const std::string& parameter) const;
 };
 
@@ -28,7 +29,7 @@ public:
   /// Goes on to the next line; false at the end.
   bool next();
   [[nodiscard]] bool is_keyword() const noexcept { return text_.front() == '*'; }
-  /// The line as a keyword, with those that continue it: after a comma at its end.
+  /// The line as a keyword, with the lines that continue it after a comma at its end.
   InpKeyword keyword();
   /// The line's cells between commas; a single comma at the end adds none.
   [[nodiscard]] std::vector<std::string> cells() const;
@@ -38,14 +39,14 @@ public:
 
   /// Lines to read again, and their numbers in the file.
   using Kept = std::vector<std::pair<std::string, int>>;
-  /// The lines from here to the keyword of that name, which is the present line then.
+  /// Returns the lines from here to the keyword of that name, which is then the present line.
   [[nodiscard]] Kept keep_until(const std::string& name, const InpKeyword& begin);
   /// Reads these lines next, then those after the current one.
   void read_again(const Kept& lines);
 
-  /// Refuses with file and line; 0: the current line.
+  /// Refuses with file and line; line 0 stands for the current line.
   [[noreturn]] void refuse(const std::string& sentence, int line = 0) const;
-  /// A number of the line, also with Fortran's exponent (1.5D+03).
+  /// Reads a number of the line; accepts Fortran's exponent (1.5D+03).
   [[nodiscard]] double number(const std::string& cell) const;
 
 private:

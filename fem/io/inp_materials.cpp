@@ -5,14 +5,15 @@
 namespace tactus::fem {
 namespace {
 
-/// Newton in a file's unit of force: with inches the pound-force, with micrometres the micronewton.
+/// The file's unit of force in newtons: with inches the pound-force, with micrometres the
+/// micronewton.
 double force_n(double unit) {
   constexpr double kInch = 25.4e-3, kMicrometre = 1e-6;
   return unit == kInch ? 4.4482216152605 : unit == kMicrometre ? 1e-6 : 1;
 }
 
-/// Moduli and ratios from the stiffness D of the normal strains: its inverse has 1 / E_i on its
-/// diagonal and -nu_ij / E_i beside it.
+/// Computes moduli and ratios from the stiffness D of the normal strains. The inverse of D has 1 /
+/// E_i on its diagonal and -nu_ij / E_i beside the diagonal.
 void take_stiffness(Material& m, const std::array<Vec3, 3>& d) {
   const double determinant = dot(d[0], cross(d[1], d[2]));
   const std::array<Vec3, 3> s{(1 / determinant) * cross(d[1], d[2]),
@@ -48,7 +49,7 @@ double InpMaterials::constant(const std::string& cell, double scale, double low,
     lines_.refuse(
         printable(cell, 60) +
         format(" is %.4g %s with lengths of %g m and the force of %g N, expected %g to %g:"
-               " --unit is that of the file's lengths",
+               " --unit is the unit of the file's lengths",
                value, quantity, unit_, force_n(unit_), low, high));
   return value;
 }
@@ -83,7 +84,7 @@ void InpMaterials::add_elastic() {
   constants_.insert(constants_.end(), cells.begin(), cells.end());
   const std::size_t needed = type_ == Constants::isotropic ? 2 : 9;
   if (needed == 9 && constants_.size() == 8)
-    return; // the ninth is on a line of its own
+    return; // the ninth constant is on a separate line
   if (definition.elastic || constants_.size() < needed || constants_.size() > needed + 1)
     lines_.refuse(format("expected %zu elastic constants, of one temperature", needed));
   Material& m = definition.material;
@@ -100,7 +101,8 @@ void InpMaterials::add_elastic() {
     m.poisson = {ratio(5), ratio(4), ratio(3)};
     m.shear_pa = {modulus(8), modulus(7), modulus(6)};
   } else {
-    const auto beside = [&](std::size_t i) { return pressure * ratio(i); }; // of any sign
+    const auto beside = [&](std::size_t i) { return pressure * ratio(i); }; // ratios may have any
+                                                                            // sign
     take_stiffness(m, {Vec3{modulus(0), beside(1), beside(3)},
                        {beside(1), modulus(2), beside(4)},
                        {beside(3), beside(4), modulus(5)}});
@@ -149,8 +151,8 @@ void InpMaterials::begin_orientation(const InpKeyword& keyword) {
 void InpMaterials::add_orientation() {
   const auto cells = lines_.cells();
   if (orientations_.contains(last_orientation_) || (cells.size() != 6 && cells.size() != 9))
-    lines_.refuse("expected one line of a point on axis 1, one beside it towards axis 2 and, where "
-                  "they have one, their origin: 6 or 9 numbers");
+    lines_.refuse("expected one line with a point on axis 1, a point beside it towards axis 2 and, "
+                  "if given, their origin: 6 or 9 numbers");
   std::array<Vec3, 3> points{};
   for (std::size_t i = 0; i < cells.size(); ++i)
     points[i / 3][static_cast<int>(i % 3)] = lines_.number(cells[i]);
@@ -170,7 +172,8 @@ void InpMaterials::begin_section(const InpKeyword& keyword) {
 void InpMaterials::add_thickness() {
   const auto cells = lines_.cells();
   if (cells.size() > 1 || (!cells.empty() && !to_number(cells[0])))
-    lines_.refuse(printable(lines_.text(), 60) + ": expected a thickness, which a solid has not");
+    lines_.refuse(printable(lines_.text(), 60) +
+                  ": expected no data, since a solid has no thickness");
 }
 
 Material InpMaterials::material_of(const Section& section) const {

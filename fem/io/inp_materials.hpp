@@ -8,10 +8,10 @@
 namespace tactus::fem {
 
 /// The materials, orientations and sections of a CalculiX / Abaqus file. Constants are in the unit
-/// system of its lengths: with millimetres N, t and s, so MPa and t/mm^3.
+/// system of the file's lengths: with millimetres also N, t and s, hence MPa and t/mm^3.
 class InpMaterials {
 public:
-  /// `unit`: metres a unit of length.
+  /// `unit`: metres per unit of length.
   InpMaterials(const InpLines& lines, double unit) : lines_(lines), unit_(unit) {}
 
   void begin_material(const InpKeyword&);
@@ -30,12 +30,12 @@ public:
 
   struct Section {
     std::string elements, material, orientation;
-    std::array<Vec3, 2> axes; ///< of a material without orientation
+    std::array<Vec3, 2> axes; ///< axes of a material without orientation
     int line = 0;
   };
   [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
-  /// Refuses a material that the file does not define, or one without elastic constants. Its
-  /// density is 0 where the file has none.
+  /// Refuses a material that the file does not define, or one without elastic constants. The
+  /// density is 0 if the file has none.
   [[nodiscard]] Material material_of(const Section&) const;
 
 private:
@@ -51,13 +51,13 @@ private:
 
   const InpLines& lines_;
   double unit_;
-  std::map<std::string, Definition> materials_; ///< by their names in lower case
+  std::map<std::string, Definition> materials_; ///< by name in lower case
   std::map<std::string, std::array<Vec3, 2>> orientations_;
   std::vector<Section> sections_;
   Turn turn_;
   std::string last_material_, last_orientation_;
   enum class Constants { isotropic, engineering, stiffness } type_ = Constants::isotropic;
-  std::vector<std::string> constants_; ///< of *ELASTIC: nine constants take two lines
+  std::vector<std::string> constants_; ///< constants of *ELASTIC; nine of them take two lines
 };
 
 } // namespace tactus::fem

@@ -27,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A message up the pipe: this, then `size` bytes.
+/// A message to the parent: this header, then `size` bytes.
 enum class Kind : std::uint32_t { notify = 0x7461'0001, report, mesh, refusal, no_memory };
 struct Header {
   Kind kind;
@@ -38,11 +38,11 @@ constexpr std::size_t kMaxText = 4096;
 
 std::atomic<pid_t> g_child{0};
 
-// ---- in the child
+// ---- in the child process
 
 int g_pipe = -1;
 
-/// Async-signal-safe and without allocation. Ends the child when nobody listens any more.
+/// Async-signal-safe and without allocation. Ends the child if the parent no longer reads.
 void send(Kind kind, const char* bytes, std::size_t size) noexcept {
   const auto write_all = [](const char* from, std::size_t left) {
     while (left > 0) {
@@ -80,7 +80,7 @@ void send_text(Kind kind, const std::string& text) noexcept {
   std::signal(SIGPIPE, SIG_IGN);
   const int null_device = open("/dev/null", O_RDWR);
   if (null_device < 0)
-    _exit(1); // else stdin and stdout would remain the parent's
+    _exit(1); // otherwise stdin and stdout would remain the parent's
   dup2(null_device, STDIN_FILENO);
   dup2(null_device, STDOUT_FILENO); // the CAD kernel prints its statistics
   if (!under_address_sanitizer())   // the sanitizer reports on stderr
@@ -112,7 +112,7 @@ void send_text(Kind kind, const std::string& text) noexcept {
   _exit(0); // without flushing or destroying the parent's objects a second time
 }
 
-// ---- in the parent
+// ---- in the parent process
 
 std::uint64_t half_of_free_memory() {
   unsigned long long kilobytes = 0;
@@ -160,8 +160,8 @@ public:
     forget();
     return status_;
   }
-  /// The child's status after its end of the pipe has closed. It gets two seconds to end on its
-  /// own.
+  /// The child's status after its end of the pipe has closed. The child has two seconds to end by
+  /// itself.
   int wait_for_exit() noexcept {
     for (int tries = 0; tries < 200; ++tries) {
       if (wait4(process_, &status_, WNOHANG, &usage_) == process_) {
@@ -370,7 +370,7 @@ Mesh run_isolated(const std::string& file, const ChildLimits& requested,
         limits.progress_timeout_s)
       throw child_errors.silence();
     if (resident(child.process()) > limits.memory_bytes + (std::uint64_t{256} << 20))
-      throw child_errors.memory(); // where the address space is not limited
+      throw child_errors.memory(); // if the address space is not limited
   }
 }
 

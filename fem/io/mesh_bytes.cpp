@@ -23,7 +23,7 @@ void put_text(std::string& out, const std::string& text) {
   out += text;
 }
 
-/// A material's numbers, one after the other.
+/// A material's constants, one after the other.
 template <class Material> auto constants_of(Material& m) {
   return std::array{&m.density,    &m.young_pa[0], &m.young_pa[1], &m.young_pa[2], &m.poisson[0],
                     &m.poisson[1], &m.poisson[2],  &m.shear_pa[0], &m.shear_pa[1], &m.shear_pa[2],
@@ -126,7 +126,7 @@ std::string to_bytes(const Mesh& mesh) {
     put_size(out, set.size());
     put(out, set.data(), set.size());
   }
-  if (!mesh.materials.empty()) // tables of before have none
+  if (!mesh.materials.empty()) // older tables have no materials
     for (const auto& material : mesh.materials)
       put_material(out, material);
   return out;
@@ -151,7 +151,7 @@ Mesh mesh_from_bytes(std::string_view bytes) {
     cursor.take(words.data(), words.size());
     cursor.require(words[0] >= 0 && words[0] < static_cast<int>(kShapes) && words[1] >= 0 &&
                    static_cast<std::size_t>(words[1]) < mesh.regions.size());
-    // Intervals are indices of elements later, at most three an element.
+    // Intervals later serve as indices of elements, at most three per element.
     for (std::size_t axis = 2; axis < words.size(); ++axis)
       cursor.require(
           words[axis] == -1 ||

@@ -9,7 +9,8 @@ namespace tactus::fem {
 [[nodiscard]] std::string to_bytes(const Mesh&);
 
 /// Decodes a mesh. The input is untrusted: counts are compared with the available bytes before any
-/// allocation, indices with their ranges; coordinates must be finite. Refuses inconsistent data.
+/// allocation, indices are compared with their ranges, and coordinates must be finite. Refuses
+/// inconsistent data.
 [[nodiscard]] Mesh mesh_from_bytes(std::string_view);
 
 } // namespace tactus::fem

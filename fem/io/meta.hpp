@@ -19,9 +19,8 @@ namespace tactus::fem {
 [[nodiscard]] std::string list(std::span<const double> values);
 [[nodiscard]] std::string json_of(const Material&, const std::string& region);
 
-/// The beginning of the object: format ("modal-table"), program, date where there is one, `units`,
-/// the body under `name`, mesh and materials; ends within the list of materials, before its
-/// bracket.
+/// The beginning of the object: format ("modal-table"), program, date if there is one, `units`, the
+/// body under `name`, mesh and materials; ends within the list of materials, before its bracket.
 struct MetaHead {
   const char *format, *program, *units, *name;
   const std::string &created, &body_name;

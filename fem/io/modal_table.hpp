@@ -11,10 +11,10 @@ namespace tactus::fem {
 struct TableMetadata {
   std::string body_name = "body";
   std::string support = "free";
-  std::string created; ///< ISO 8601; empty: omitted, so that equal bodies give equal files
-  std::vector<double> relative_error; ///< estimated, of each frequency; empty: unknown
+  std::string created; ///< ISO 8601; left out if empty, so that equal bodies give equal files
+  std::vector<double> relative_error; ///< estimated error of each frequency; empty if unknown
   double air_density = 1.184, air_speed = 346.1;
-  std::vector<std::string> command; ///< command line of modal_fem; empty: left out
+  std::vector<std::string> command; ///< command line of modal_fem; left out if empty
 };
 
 /// Derivatives of the frequencies by the control points of a lattice around the body.
@@ -23,7 +23,7 @@ struct ShapeDerivatives {
   std::vector<ParameterRange> parameters;
   std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
   double trust = 0; ///< m, the largest displacement for which the derivatives may be used
-  std::vector<double> displacement; ///< m, of the parameters, here; empty: 0
+  std::vector<double> displacement; ///< present displacements of the parameters, m; empty for 0
 };
 
 /// The contents of a modal table file.
@@ -40,20 +40,22 @@ struct ModalTable {
   ShapeDerivatives shape{};    ///< may be empty
 };
 
-/// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
-/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation
-/// also mp_* and alpha_rad, with shape derivatives control_points, parameters, trust and
-/// domega2_dp, and for `modal_fem serve` the mesh (bytes) and in meta the command; of a moved
-/// shape displacement. docs/formats/modal_table.md lists them.
+/// Writes NAME.modal.npz, in SI units, little-endian. It contains meta (JSON), freq, phi [K,V,3] at
+/// the skin's vertices, xyz, tri, mult, eta, mass, com, inertia and, for one isotropic material,
+/// dlnf_dnu. With radiation it also has mp_* and alpha_rad. With shape derivatives it has
+/// control_points, parameters, trust and domega2_dp, and for `modal_fem serve` the mesh (bytes) and
+/// the command in meta. A moved shape adds displacement. docs/formats/modal_table.md lists the
+/// arrays.
 void write_table(const std::string& path, const ModalTable&);
 
-/// The same file in memory, without the mesh.
+/// The file of write_table() in memory, without the mesh.
 [[nodiscard]] std::string table_bytes(const ModalTable&);
 
-/// One line a mode: number, frequency, multiplicity, loss factor, T60, error estimate, residual.
+/// Writes one line per mode: number, frequency, multiplicity, loss factor, T60, error estimate,
+/// residual.
 void write_csv(const std::string& path, const ModalTable&);
 
-/// The mesh with the first `count` mode shapes as point vectors, for ParaView.
+/// Writes the mesh with the first `count` mode shapes as point vectors, for ParaView.
 void write_vtu(const std::string& path, const Mesh&, const Modes&, std::size_t count);
 
 /// Decay time to -60 dB, s.

@@ -12,7 +12,7 @@
 namespace tactus::fem {
 namespace {
 
-/// Positions of nodes by their tags: tags may be sparse, so they are sorted, not used as indices.
+/// Finds nodes by their tags. Tags may be sparse, so they are sorted and not used as indices.
 class NodeIndex {
 public:
   NodeIndex(const std::string& path, const std::vector<std::uint64_t>& tags) {
@@ -68,7 +68,7 @@ std::vector<bool> repeated(const MshSections& file) {
     const auto* const first = file.uses.data() + file.elements[i].first;
     return std::span(first, static_cast<std::size_t>(file.elements[i].type->nodes));
   };
-  const auto compare = [&](std::size_t a, std::size_t b) { // <0, 0, >0
+  const auto compare = [&](std::size_t a, std::size_t b) { // below, equal to or above 0
     const auto& x = file.elements[a];
     const auto& y = file.elements[b];
     if (x.entity != y.entity)
@@ -118,7 +118,7 @@ Mesh read_msh(const std::string& path, double unit,
   for (const Vec3& p : file.nodes)
     mesh.nodes.push_back(unit * p);
 
-  std::vector<std::size_t> solids; // by entity, as regions are numbered
+  std::vector<std::size_t> solids; // sorted by entity, in the order of the regions
   std::set<int> volumes;
   const std::vector<bool> repeats = repeated(file);
   for (std::size_t i = 0; i < file.elements.size(); ++i) {

@@ -98,7 +98,7 @@ std::uint64_t MshScanner::stored(std::size_t size, const char* what) {
   if (left() < size)
     refuse("the file ends", what);
   std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) // the least significant byte last
+  for (std::size_t i = 0; i < size; ++i) // stores the least significant byte last
     value =
         value << 8 | static_cast<unsigned char>(bytes_[at_ + (byte_swapped_ ? i : size - 1 - i)]);
   at_ += size;

@@ -21,7 +21,7 @@ public:
   /// Skips to after `$EndName`.
   void skip_section();
 
-  /// How numbers are stored from here on. `word` is the size of a count in bytes, 4 or 8.
+  /// Sets how numbers are stored from here on. `word` is the size of a count in bytes, 4 or 8.
   void set_binary(bool swapped_bytes, std::size_t word);
   [[nodiscard]] bool binary() const noexcept { return binary_; }
   /// Reads text although the file is binary: the head of a section of MSH 2.
@@ -37,18 +37,18 @@ public:
     bool before_;
   };
 
-  /// A whole number; 4 bytes in a binary file.
+  /// Reads a whole number, 4 bytes in a binary file.
   int integer(const char* what, int low, int high);
-  /// A tag; in a binary file as long as a count.
+  /// Reads a tag, in a binary file as long as a count.
   std::uint64_t tag(const char* what);
-  /// A number of things that follow. Refused when the bytes left cannot hold them: each takes
-  /// `numbers` numbers in text (two characters at least) or `bytes` bytes.
+  /// Reads the number of items that follow. Refuses it if the remaining bytes cannot hold them: an
+  /// item takes `numbers` numbers in text (at least two characters each) or `bytes` bytes.
   std::size_t count(const char* what, std::size_t numbers, std::size_t bytes);
-  /// A finite number.
+  /// Reads a finite number.
   double real(const char* what);
-  /// The rest of the line, without blanks around it.
+  /// Reads the rest of the line, without surrounding blanks.
   std::string_view line();
-  /// Four bytes as stored in the file: the number 1 there shows the byte order.
+  /// Reads four bytes as stored in the file, where the number 1 shows the byte order.
   std::uint32_t raw_word();
 
   /// Refuses `value` with the expected value.

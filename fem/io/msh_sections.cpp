@@ -11,7 +11,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr int kMinInt = std::numeric_limits<int>::min() + 1, // its magnitude is an int too
+constexpr int kMinInt = std::numeric_limits<int>::min() + 1, // so that its magnitude is an int too
     kMaxInt = std::numeric_limits<int>::max();
 
 class Reader {
@@ -172,7 +172,7 @@ private:
                    std::to_string(all) + " as the section says");
   }
 
-  /// The count of a section of MSH 2, a line of text in binary files too.
+  /// Reads the count of a section of MSH 2, which is a line of text even in binary files.
   std::size_t head_2(const char* what, std::size_t numbers, std::size_t bytes) {
     const bool binary = file_.binary();
     const MshScanner::AsText as_text(file_);

@@ -15,7 +15,7 @@
 namespace tactus::fem {
 namespace {
 
-// Read by the signal handler: one file is written at a time.
+// The signal handler reads this name; only one file is written at a time.
 char g_partial[4096];
 std::atomic<bool> g_writing{false};
 std::atomic<void (*)()> g_also{nullptr};
@@ -36,7 +36,7 @@ extern "C" void on_interrupt(int) {
 void clean_up_on_interrupt() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-  std::signal(SIGXFSZ, SIG_IGN); // write() then fails with an error beyond a file size limit
+  std::signal(SIGXFSZ, SIG_IGN); // beyond a file size limit, write() then fails with an error
 }
 
 void also_on_interrupt(void (*action)()) { g_also = action; }

@@ -9,8 +9,8 @@
 
 namespace tactus::fem {
 
-/// A file that appears under its name only when it is complete: it is written beside it as
-/// NAME.partial and renamed by commit(). An interrupt or an error removes what was begun.
+/// A file that appears under its name only when it is complete: it is written as NAME.partial in
+/// the same folder, and commit() renames it. An interrupt or an error removes the partial file.
 class SafeFile {
 public:
   explicit SafeFile(std::string path);
@@ -27,18 +27,18 @@ private:
   std::FILE* file_ = nullptr;
 };
 
-/// From here on SIGINT and SIGTERM end the process that reads a file, remove files being written
+/// From now on, SIGINT and SIGTERM end the process that reads a file, remove files being written,
 /// and end this process with status 130.
 void clean_up_on_interrupt();
 
-/// Sets a further function that the interrupt calls. It must be async-signal-safe; null: none.
+/// Sets a further function that the interrupt calls. It must be async-signal-safe; null for none.
 void also_on_interrupt(void (*)());
 
 using files::NpzWriter;
 
-/// Writes all arrays; the file appears only when complete. Refuses what is larger than 4 GB.
+/// Writes all arrays; the file appears only when complete. Refuses arrays of more than 4 GB.
 void write_npz(const std::string& path, const NpzWriter& arrays);
-/// The same file in memory.
+/// The file of write_npz() in memory.
 [[nodiscard]] std::string npz_bytes(const NpzWriter& arrays);
 
 /// Reads a whole regular file. Refuses anything else (a pipe or a device may never end) and a file

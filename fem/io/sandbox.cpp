@@ -39,7 +39,7 @@ void limit(int resource, std::uint64_t value) noexcept {
   setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
 }
 
-/// Bytes of address space in use, or 0 when that cannot be read.
+/// Bytes of address space in use, or 0 if that cannot be read.
 std::uint64_t address_space() noexcept {
   unsigned long long pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
@@ -73,7 +73,7 @@ public:
   void refuse(long call, int error = EPERM) {
     if_equal(static_cast<std::uint32_t>(call), refusal(error));
   }
-  /// Refuses the call when any of `bits` is set in the low word of an argument.
+  /// Refuses the call if any of `bits` is set in the low word of an argument.
   void refuse_bits(long call, unsigned argument, std::uint32_t bits, int error) {
     add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
     load(low_word(argument));
@@ -82,7 +82,7 @@ public:
     add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
   }
   /// Allows the call only with one of these values in the low word of an argument, or, if `listed`
-  /// is false, with any but these.
+  /// is false, only with a value that is not listed.
   void allow_values(long call, unsigned argument, std::initializer_list<std::uint32_t> values,
                     bool listed = true) {
     auto left = static_cast<unsigned char>(values.size());
@@ -104,12 +104,12 @@ public:
     add(BPF_STMT(BPF_RET | BPF_K, refusal(EPERM)));
     add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
   }
-  /// Refuses calls from this number on, as unknown.
+  /// Refuses calls from this number on as unknown.
   void refuse_from(std::uint32_t call) {
     add(BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, call, 0, 1));
     add(BPF_STMT(BPF_RET | BPF_K, refusal(ENOSYS)));
   }
-  /// Allows the call only when the low word of an argument, masked, has this value.
+  /// Allows the call only if the low word of an argument, masked, has this value.
   void allow_only(long call, unsigned argument, std::uint32_t mask, std::uint32_t value) {
     add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 5));
     load(low_word(argument));
@@ -146,7 +146,7 @@ private:
   std::vector<sock_filter> code_;
 };
 
-// One piece: a table of the system calls.
+// Not split, because it is a table of the system calls.
 bool install_filter() {
   if (kArchitecture == 0)
     return false;
@@ -154,16 +154,17 @@ bool install_filter() {
   constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   filter.refuse_bits(SYS_openat, 2, kWriting, EACCES);
   filter.allow_only(SYS_clone, 0, CLONE_THREAD, CLONE_THREAD);
-  filter.allow_values(SYS_tgkill, 0, {static_cast<std::uint32_t>(getpid())}); // abort()
+  filter.allow_values(SYS_tgkill, 0, {static_cast<std::uint32_t>(getpid())}); // abort() uses it
   filter.allow_null(SYS_prlimit64, 2); // limits may be read, not set
   // F_SETOWN and F_SETSIG would send any signal to any process; locks would stop other programs.
   filter.allow_values(SYS_fcntl, 1, {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL, F_SETFL});
-  filter.allow_values(SYS_prctl, 0, {PR_SET_PDEATHSIG}, false); // or it would outlive the program
-  filter.refuse(SYS_ioctl, ENOTTY); // terminals: typing into them, their modes
-  // Calls that did not exist when this was written (the first is fchmodat2, of Linux 6.6).
+  filter.allow_values(SYS_prctl, 0, {PR_SET_PDEATHSIG}, false); // otherwise the process could
+                                                                // outlive the program
+  filter.refuse(SYS_ioctl, ENOTTY); // would type into terminals or change their modes
+  // The first call that did not exist when this was written: fchmodat2, of Linux 6.6.
   constexpr std::uint32_t kFirstUnknown = 452;
   filter.refuse_from(kFirstUnknown);
-  // Refused as unknown, so that the C library takes the calls above.
+  // Refused as unknown, so that the C library uses the calls above instead.
   for (const long call : {SYS_clone3, SYS_openat2, SYS_io_uring_setup})
     filter.refuse(call, ENOSYS);
   for (const long call : {SYS_execve,

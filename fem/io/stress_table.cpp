@@ -43,7 +43,7 @@ std::vector<float> singles(std::span<const double> values) {
 
 /// A coarser skin, whose corners are a subset of the skin's vertices.
 Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
-  constexpr double kDeviation = 0.15; // of the edge
+  constexpr double kDeviation = 0.15; // relative to the edge
   Triangles triangles;
   std::map<std::array<double, 3>, int> node_at;
   for (const int node : skin.node) {
@@ -80,7 +80,8 @@ std::vector<float> weights_of(const ControlWeights& weights, const Surface& skin
 
 std::vector<std::int32_t> element_of_vertices(const Mesh& mesh, const Surface& skin,
                                               std::span<const double> volumes) {
-  constexpr double kEqual = 1e-9; // of equal elements odd nodes take the last: no side is favoured
+  constexpr double kEqual =
+      1e-9; // among equal elements, odd nodes take the last one, to favour no side
   std::vector<std::int32_t> owner(mesh.nodes.size(), -1);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const int node : mesh.nodes_of(mesh.elements[e])) {

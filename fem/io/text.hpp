@@ -7,7 +7,7 @@
 
 namespace tactus::fem {
 
-/// Cells between separators, blanks and carriage returns around them removed.
+/// The cells between separators, without surrounding blanks and carriage returns.
 [[nodiscard]] std::vector<std::string> split(std::string_view, char separator);
 
 using tactus::format;

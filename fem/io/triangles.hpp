@@ -12,12 +12,12 @@ namespace tactus::fem {
 [[nodiscard]] constexpr std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
 
 /// A surface of triangles. Files give an unconnected soup; weld() and find_shells() (fem/mesh) make
-/// closed shells of it, oriented outward.
+/// closed shells from this soup, oriented outward.
 struct Triangles {
   std::vector<Vec3> points; ///< m
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> group; ///< for each triangle, the solid or object of the file it belongs to
-  std::vector<std::string> groups; ///< their names
+  std::vector<int> group;          ///< for each triangle, its solid or object of the file
+  std::vector<std::string> groups; ///< names of these solids or objects
   std::vector<int> shell;          ///< the connected piece of each triangle
   int shells = 0;
 
@@ -35,14 +35,14 @@ struct Triangles {
 /// (files/mesh_file.hpp). Polygons are triangulated by ear clipping, lengths multiplied by `unit`.
 /// Refuses an unreadable file, naming its line or triangle.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
-/// The same of a file's bytes; OBJ is recognised by the ending of `path`, which also appears in
-/// error texts.
+/// As read_triangles(), from a file's bytes. OBJ is recognised by the ending of `path`, which also
+/// appears in error texts.
 [[nodiscard]] Triangles triangles_of(const std::string& path, std::string_view bytes, double unit);
 
-/// " near (1, 2, 3) mm", for sentences to the user.
+/// A text such as " near (1, 2, 3) mm", for sentences to the user.
 [[nodiscard]] std::string near_position(const Vec3&);
 
-/// "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
+/// A text such as "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
 [[nodiscard]] std::string triangle_location(const Triangles&, std::size_t triangle);
 
 /// Share of triangles with an angle below `degrees`.

@@ -11,7 +11,7 @@
 namespace tactus::fem {
 namespace {
 
-/// 6 x 6, column after column.
+/// The compliance, 6 x 6, column after column.
 std::vector<double> compliance(const Material& m) {
   std::vector<double> s(36, 0.0);
   const auto e =
@@ -28,8 +28,8 @@ std::vector<double> compliance(const Material& m) {
   return s;
 }
 
-/// Bond's matrix: stress in the body's axes from stress in the material's axes, which are given by
-/// three directions.
+/// Bond's matrix. It gives the stress in the body's axes from that in the material's axes, which
+/// three directions define.
 ElasticMatrix bond(const std::array<Vec3, 3>& axis) {
   constexpr std::array<std::array<int, 2>, 6> pair{
       {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
@@ -44,7 +44,7 @@ ElasticMatrix bond(const std::array<Vec3, 3>& axis) {
   return t;
 }
 
-/// t c t', made symmetric to the last bit.
+/// Returns t c t', made exactly symmetric.
 ElasticMatrix turned(const std::vector<double>& c, const ElasticMatrix& t) {
   ElasticMatrix half{}, all{};
   for (std::size_t i = 0; i < 6; ++i)
@@ -73,7 +73,7 @@ ElasticMatrix elastic_matrix(const Material& m) {
   if (m.isotropic() && !(m.poisson[0] > -1 && m.poisson[0] < .5))
     refuse("Poisson's ratio " + std::to_string(m.poisson[0]) + ": expected between -1 and 0.5");
   const std::vector<double> s = compliance(m);
-  std::vector<double> c(36, 0.0); // the identity, overwritten by the inverse of the compliance
+  std::vector<double> c(36, 0.0); // the identity; the inverse of the compliance overwrites it
   for (std::size_t i = 0; i < 6; ++i)
     c[7 * i] = 1;
   if (!std::all_of(s.begin(), s.end(), [](double x) { return std::isfinite(x); }) ||

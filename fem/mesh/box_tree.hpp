@@ -3,7 +3,8 @@
 
 namespace tactus::fem {
 
-/// Axis-parallel boxes in a balanced tree: those near a box are found in logarithmic time.
+/// Axis-parallel boxes in a balanced tree, which finds the boxes near a given box in logarithmic
+/// time.
 class BoxTree {
 public:
   explicit BoxTree(std::vector<Box> boxes);
@@ -33,8 +34,9 @@ public:
 private:
   struct Node {
     Box box;
-    std::size_t first, last; ///< in order_
-    std::size_t right;       ///< node; its sibling follows the parent. 0: a leaf
+    std::size_t first, last; ///< positions in order_
+    std::size_t right;       ///< index of the right child, 0 for a leaf; the left child follows its
+                             ///< parent
   };
   static bool are_separated(const Box& a, const Box& b, double distance) noexcept {
     return a.low.x > b.high.x + distance || b.low.x > a.high.x + distance ||

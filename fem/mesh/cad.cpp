@@ -50,10 +50,10 @@ std::string cad_format(const std::string& path) {
 
 namespace {
 
-constexpr double kMaxSolidVolumeChange = .01; ///< of the mesh against the solids
+constexpr double kMaxSolidVolumeChange = .01; ///< difference between mesh and solids
 
-/// Fillets the concave curves of the only volume. Returns the curves that remain to be graded:
-/// none.
+/// Fillets the concave curves of the only volume. Returns an empty list, because no curves remain
+/// to be graded.
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
                               double radius) {
   if (volumes.size() != 1)
@@ -91,7 +91,7 @@ void report_faces(double unit, const std::function<void(const std::string&)>& no
     gmsh::model::getParametrizationBounds(dimension, face, low, high);
     gmsh::model::getPrincipalCurvatures(face, {.5 * (low[0] + high[0]), .5 * (low[1] + high[1])},
                                         largest, smallest, a, b);
-    // A hole's wall bends inward: the curvature that is not zero may be the smaller one.
+    // A hole's wall bends inward, so the curvature that is not zero may be the smaller one.
     if (const double bend = std::max(std::abs(largest[0]), std::abs(smallest[0]));
         kind == "Cylinder" && bend > 0)
       text += format(" of radius %.6g mm", 1e3 * unit / bend);
@@ -128,7 +128,7 @@ Triangles skin_of_model(const gmsh::vectorpair& volumes, double unit) {
   return out;
 }
 
-/// The model as a swept mesh if it is a prism; else the model is left as imported.
+/// Returns the model as a swept mesh if it is a prism; otherwise leaves the model as imported.
 std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& choice, double unit) {
   for (const bool quadrilaterals : {true, false}) {
     std::optional<Mesh> mesh;
@@ -136,7 +136,7 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
     if (mesh)
       return mesh;
     if (done)
-      break;                                                      // no prism
+      break;                                                      // not a prism
     import_solids(path, choice, unit, [](const std::string&) {}); // restores the model
   }
   if (choice.sizes && !choice.sizes->levels.empty())
@@ -147,12 +147,12 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
 }
 
 /// Settings for meshing the solids. The attempts are tried in order until one succeeds; each
-/// handles a fault found in real files: small edges, coarse curved edges, bad faces.
+/// handles a fault that occurs in real files: small edges, coarse curved edges or bad faces.
 struct Attempt {
-  const char* words; ///< for the user
+  const char* words; ///< text for the user
   bool heal;
   double finer;  ///< factor on the element size
-  int algorithm; ///< gmsh's for faces: 6 Frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
+  int algorithm; ///< gmsh's algorithm for faces: 6 Frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
 };
 constexpr Attempt kAttempts[]{{"", false, 1, 6},
                               {" with small edges repaired", true, 1, 6},
@@ -174,7 +174,8 @@ public:
     if (choice.notify)
       notify_ = choice.notify;
     if (choice.unit > 0 && choice.unit != unit_)
-      notify_("a STEP file states its own unit of length: --unit applies only to the options");
+      notify_(
+          "a STEP file states its own unit of length: --unit applies only to lengths in options");
   }
 
   /// Tries each attempt in turn; for a single body the skin's triangles are filled before finer
@@ -208,7 +209,7 @@ private:
     double volume, area, h;
   };
 
-  /// Whether another attempt would end with the same refusal.
+  /// True if another attempt would end with the same refusal.
   [[nodiscard]] bool is_final(const std::string& what) const {
     const bool swept = choice_.sizes && !choice_.sizes->levels.empty();
     return swept || choice_.fillet > 0 || what.find("separate parts") != std::string::npos ||
@@ -270,10 +271,11 @@ private:
                             notify_);
   }
 
-  /// Element sizes: h, graded into concave edges where h is given, or those of a refinement.
+  /// Element sizes: h, graded towards concave edges if h is given, or the sizes of a refinement.
   void choose_sizes(const gmsh::vectorpair& volumes, double h, double finer) const {
     set_sizes(h, {});
-    if (choice_.h <= 0) // first of several meshes: the error estimate refines small curves
+    if (choice_.h <= 0) // the first of several meshes, since the error estimate refines small
+                        // curves
       gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
     // A refinement already grades by the estimated errors.
     if ((choice_.grade_concave && choice_.h > 0) || choice_.fillet > 0) {
@@ -293,7 +295,7 @@ private:
     }
   }
 
-  /// The model's mesh in second order. Refuses one that does not fill the solids.
+  /// The model's mesh in second order. Refuses a mesh that does not fill the solids.
   [[nodiscard]] Mesh finished_mesh() const {
     Mesh mesh = make_quadratic(choice_.curved, unit_, choice_.face_sets);
     if (choice_.face_sets)
@@ -344,11 +346,12 @@ private:
 
   const std::string& path_;
   const LoadChoice& choice_;
-  double unit_;         ///< metres a unit of the model
-  bool facets_allowed_; ///< not for a refinement of curved sides: its sizes belong to another body
+  double unit_;         ///< metres per unit of the model
+  bool facets_allowed_; ///< false for a refinement of curved sides, whose sizes belong to another
+                        ///< body
   std::function<void(const std::string&)> notify_ = [](const std::string&) {};
   std::optional<Session> session_{std::in_place};
-  Triangles skin_; ///< of the last attempt that meshed the faces
+  Triangles skin_; ///< triangles of the last attempt that meshed the faces
   std::size_t solids_ = 0;
   std::string reason_, facets_reason_; ///< the first refusals
 };

@@ -6,13 +6,13 @@
 
 namespace tactus::fem {
 
-/// "step" or "brep", from the first kilobyte of a CAD file: ISO 10303-21 files begin with
+/// Returns "step" or "brep", from the first kilobyte of a CAD file: ISO 10303-21 files begin with
 /// `ISO-10303-21;` (blanks and /* comments */ may precede it), OCC's with `DBRep_DrawableShape` or
-/// `CASCADE Topology`. Refuses all other content, whatever the file's ending.
+/// `CASCADE Topology`. Refuses any other content, whatever the file's ending.
 [[nodiscard]] std::string cad_format(const std::string& path);
 
-/// A CAD file in curved tet10. Edges where faces meet at an inner angle above 200 degrees are found
-/// and the mesh is graded into them.
+/// Meshes a CAD file in curved tet10. The mesh is graded towards edges at which faces meet at an
+/// inner angle above 200 degrees.
 [[nodiscard]] Mesh mesh_cad(const std::string& path, const LoadChoice&);
 
 } // namespace tactus::fem

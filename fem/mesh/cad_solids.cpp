@@ -15,7 +15,7 @@ namespace tactus::fem {
 using gmsh::vectorpair;
 
 namespace {
-constexpr double kMaxGapVolume = .005; ///< change of the solids' volume where gaps are closed
+constexpr double kMaxGapVolume = .005; ///< largest change of the solids' volume by closing gaps
 } // namespace
 
 vectorpair volumes_of_model() {
@@ -54,7 +54,7 @@ std::string part_name(int volume) {
   return name.empty() ? "volume" + std::to_string(volume) : name;
 }
 
-/// Describes what a file without solids contains, and where its surface is open.
+/// Describes the content of a file without solids, and the openings of its surface.
 std::string without_solid(double unit) {
   vectorpair faces, curves;
   gmsh::model::getEntities(faces, 2);
@@ -85,7 +85,7 @@ std::string without_solid(double unit) {
                          near_position(.5 * unit * (at.low + at.high));
 }
 
-/// Sews faces into closed shells and makes solids of them, at growing tolerances.
+/// Sews faces into closed shells, at growing tolerances, and makes solids of the shells.
 bool sew(double largest) {
   for (const double share : {1e-8, 1e-6, 1e-5, 1e-4}) {
     vectorpair healed;
@@ -102,7 +102,7 @@ bool sew(double largest) {
 /// For each volume the number of its group: volumes that are connected by common faces.
 std::vector<int> connected_groups(const vectorpair& volumes) {
   std::vector<int> group(volumes.size());
-  std::map<int, int> owner; // first group at a face
+  std::map<int, int> owner; // first group that has the face
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     group[v] = static_cast<int>(v);
     vectorpair faces;
@@ -123,7 +123,7 @@ std::vector<int> connected_groups(const vectorpair& volumes) {
   return group;
 }
 
-/// Touching and overlapping solids share their faces from now on; names are carried over. False if
+/// Makes touching and overlapping solids share their faces, and keeps their names. Returns false if
 /// gmsh fails or loses volume.
 bool fragment_solids(double tolerance) {
   const vectorpair before = volumes_of_model();
@@ -140,15 +140,16 @@ bool fragment_solids(double tolerance) {
   });
   if (!done)
     return false;
-  for (std::size_t v = before.size(); v-- > 0;) // of an overlap, the first part's name
+  for (std::size_t v = before.size(); v-- > 0;) // an overlap gets the first part's name
     for (const auto& [dimension, tag] : map[v])
       if (dimension == 3)
         gmsh::model::setEntityName(3, tag, names[v]);
   const double after = volume_of(volumes_of_model());
-  return after > 0 && after < 1.001 * whole; // overlaps count once
+  return after > 0 && after < 1.001 * whole; // since overlaps count only once, the volume may
+                                             // shrink
 }
 
-/// Names of volumes become regions; parts of one name are one region.
+/// Makes regions from the names of volumes; parts with the same name are one region.
 void name_regions(const vectorpair& volumes) {
   std::map<std::string, std::vector<int>> regions;
   for (const auto& [dimension, tag] : volumes)
@@ -272,7 +273,7 @@ private:
     return std::set<int>(group.begin(), group.end()).size();
   }
 
-  /// Gives touching solids common faces. Closes small gaps where several parts would remain.
+  /// Gives touching solids common faces. Closes small gaps if several parts would remain otherwise.
   void join_solids() const {
     bool joined = fragment_solids(0);
     if (!joined || (!choice_.multi && choice_.part.empty() && connected_pieces() > 1)) {
@@ -290,8 +291,9 @@ private:
           "save only one");
   }
 
-  /// Joins the solids with a tolerance, for the small gaps of CAD systems. Returns whether the last
-  /// tolerance tried left fewer parts and the volume unchanged. `joined`: solids that touch are.
+  /// Joins the solids with a tolerance, because CAD systems leave small gaps. Returns whether the
+  /// last tolerance reduced the number of parts and left the volume unchanged. `joined`: touching
+  /// solids have already been joined.
   [[nodiscard]] bool close_gaps(bool joined) const {
     const std::size_t separate = joined ? connected_pieces() : volumes_of_model().size();
     const double whole = joined ? volume_of(volumes_of_model()) : 0;
@@ -316,7 +318,7 @@ private:
 
   const std::string& path_;
   const LoadChoice& choice_;
-  double unit_; ///< metres of the model's lengths
+  double unit_; ///< metres per unit of the model's lengths
   const std::function<void(const std::string&)>& notify_;
   std::string kind_;   ///< "step" or "brep"
   double largest_ = 0; ///< extent of the model, in its unit

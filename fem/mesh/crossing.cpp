@@ -7,13 +7,13 @@
 namespace tactus::fem {
 namespace {
 
-/// Whether an interior point of segment p q lies in the interior of triangle a b c. False when
+/// Whether an interior point of segment p q lies in the interior of triangle a b c. False if
 /// segment and triangle are coplanar up to rounding.
 bool cuts(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double size = std::max({length(q - p), length(b - a), length(c - a)});
   const double nothing = 1e-9 * size * size * size;
   const auto side = [&](const Vec3& x, const Vec3& y, const Vec3& z, const Vec3& w) {
-    const double volume = dot(cross(y - x, z - x), w - x); // six times the tetrahedron's
+    const double volume = dot(cross(y - x, z - x), w - x); // six times the tetrahedron's volume
     return volume > nothing ? 1 : volume < -nothing ? -1 : 0;
   };
   if (side(a, b, c, p) * side(a, b, c, q) >= 0)

@@ -8,12 +8,12 @@ namespace tactus::fem {
 /// The boxes of all triangles.
 [[nodiscard]] std::vector<Box> triangle_boxes(const Triangles&);
 
-/// Pairs of triangles that cut each other in their insides, and neighbours that are folded flat
-/// onto each other; up to `limit` of them.
+/// Up to `limit` pairs of triangles whose interiors cut each other, or neighbours that are folded
+/// flat onto each other.
 [[nodiscard]] std::vector<std::array<std::size_t, 2>> crossings(const Triangles&,
                                                                 std::size_t limit);
 
-/// The first pair of crossings(), or nothing.
+/// The first pair of crossings(), or nullopt.
 [[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);
 
 } // namespace tactus::fem

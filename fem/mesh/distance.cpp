@@ -23,7 +23,7 @@ double distance_of_edges(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3
   const Vec3 u = q - p, v = b - a, n = cross(u, v);
   const double size = dot(n, n);
   if (!(size > 1e-20 * dot(u, u) * dot(v, v)))
-    return 1e300; // parallel: the distance is found at their ends
+    return 1e300; // for parallel edges, their ends give the distance
   const Vec3 w = a - p;
   const double s = dot(cross(w, v), n) / size, t = dot(cross(w, u), n) / size;
   if (s < 0 || s > 1 || t < 0 || t > 1)

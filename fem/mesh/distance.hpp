@@ -7,8 +7,8 @@ namespace tactus::fem {
 [[nodiscard]] double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
                                           const Vec3& c);
 
-/// Distance of the lines p q and a b where it is reached within both; 1e300 elsewhere and for
-/// parallel edges, where an end is nearest.
+/// Distance of the lines p q and a b if the nearest points lie within both edges. Otherwise, and
+/// for parallel edges, returns 1e300, since then an end is nearest.
 [[nodiscard]] double distance_of_edges(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
 } // namespace tactus::fem

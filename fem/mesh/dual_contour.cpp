@@ -9,8 +9,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2); edge e runs along axis e / 4 from the
-/// corner that has the two bits of e % 4 in the other axes.
+/// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2); edge e runs along axis e / 4, from the
+/// corner whose bits of the other two axes are those of e % 4.
 struct CellEdge {
   int from, to, axis;
 };
@@ -32,8 +32,9 @@ int edge_between(int a, int b) {
   return -1;
 }
 
-/// For each of a cell's edges the sheet of surface it belongs to, or -1. On a face with two inside
-/// corners across, each inside corner is cut off by itself: the same in both cells of the face.
+/// For each of a cell's edges, the sheet of surface to which it belongs, or -1. On a face with two
+/// diagonally opposite inside corners, each of these corners is cut off separately, so that both
+/// cells of the face agree.
 std::array<int, 12> sheets_of(int corners) {
   std::array<int, 12> sheet{};
   std::iota(sheet.begin(), sheet.end(), 0);
@@ -68,7 +69,7 @@ std::array<int, 12> sheets_of(int corners) {
 }
 
 struct Cut {
-  Vec3 position, normal; ///< a zero normal: no plane is known here
+  Vec3 position, normal; ///< a zero normal means that no plane is known here
 };
 
 /// Where the surface cuts a grid edge: the crossing nearest to the outside end, at which the
@@ -79,7 +80,7 @@ Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
   const auto hits = grid.between(from, axis);
   const auto leaves = [&](const Crossing& c) { return (c.sign > 0) == starts_inside; };
   const Crossing* chosen = nullptr;
-  for (std::size_t i = 0; i < hits.size(); ++i) { // the one nearest to the outside end
+  for (std::size_t i = 0; i < hits.size(); ++i) { // selects the crossing nearest to the outside end
     const Crossing& c = starts_inside ? hits[hits.size() - 1 - i] : hits[i];
     if (leaves(c)) {
       chosen = &c;
@@ -97,7 +98,8 @@ Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
   return {p, chosen->normal};
 }
 
-/// The point nearest to all planes of the cuts; where they leave it free, nearest to their mean.
+/// The point nearest to all planes of the cuts; in directions that the planes leave free, nearest
+/// to the cuts' mean.
 Vec3 meeting_point(const std::vector<Cut>& cuts, const Vec3& low, double spacing) {
   Vec3 mean;
   for (const Cut& c : cuts)
@@ -120,7 +122,8 @@ Vec3 meeting_point(const std::vector<Cut>& cuts, const Vec3& low, double spacing
   return p;
 }
 
-/// Adds a point for each sheet of the surface in a cell. Returns each edge's point, -1 without.
+/// Adds a point for each sheet of the surface in a cell. Returns each edge's point, -1 if it has
+/// none.
 std::array<int, 12> add_points(Triangles& out, const RayGrid& grid,
                                const std::vector<std::uint8_t>& inside, bool sharp,
                                const std::array<int, 3>& cell, const std::array<int, 12>& sheet) {
@@ -146,10 +149,10 @@ std::array<int, 12> add_points(Triangles& out, const RayGrid& grid,
   return points;
 }
 
-/// Adds a quadrangle as two triangles, cut along the diagonal that bends less.
+/// Adds a quadrangle as two triangles, cut along the diagonal with the smaller bend.
 void add_quadrangle(Triangles& out, const std::array<int, 4>& quad) {
   const auto p = [&](std::size_t n) { return out.points[at(quad[n])]; };
-  const auto bend = [&](std::size_t a) { // between the halves at the diagonal from a
+  const auto bend = [&](std::size_t a) { // bend between the halves at the diagonal from a
     const Vec3 n = cross(p((a + 1) % 4) - p(a), p((a + 2) % 4) - p(a)),
                m = cross(p((a + 2) % 4) - p(a), p((a + 3) % 4) - p(a));
     return dot(n, m) / std::max(length(n) * length(m), 1e-300);
@@ -179,7 +182,7 @@ Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& ins
         corners |= 1 << c;
     return corners;
   };
-  std::unordered_map<std::size_t, std::array<int, 12>> points_of; // of a cell, by edge
+  std::unordered_map<std::size_t, std::array<int, 12>> points_of; // points of a cell, by edge
   for (int k = 0; k + 1 < size[2]; ++k)
     for (int j = 0; j + 1 < size[1]; ++j)
       for (int i = 0; i + 1 < size[0]; ++i) {
@@ -189,7 +192,7 @@ Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& ins
         points_of[grid.index(i, j, k)] =
             add_points(out, grid, inside, sharp, {i, j, k}, sheets[at(corners)]);
       }
-  // Four cells around each grid edge from inside to outside: a quadrangle.
+  // The four cells around each grid edge from inside to outside give a quadrangle.
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (int k = 0; k < size[2]; ++k)
@@ -204,12 +207,12 @@ Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& ins
             continue;
           std::array<int, 4> quad{};
           static constexpr std::array<std::array<int, 2>, 4> ring{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-          for (std::size_t n = 0; n < 4; ++n) { // the cell lies that much below the edge
+          for (std::size_t n = 0; n < 4; ++n) { // offset of the cell below the edge
             const auto [back_u, back_v] = ring[n];
             const std::size_t cell = here - at(back_u) * grid.step(u) - at(back_v) * grid.step(v);
             quad[n] = points_of.at(cell)[at(4 * axis + (back_u | back_v << 1))];
           }
-          // Cells with falling u, then v turn to the left about the axis.
+          // In this order, first u and then v falling, the cells turn to the left about the axis.
           if (!starts_inside)
             std::swap(quad[1], quad[3]);
           add_quadrangle(out, quad);

@@ -51,8 +51,8 @@ std::vector<std::array<int, 3>> clip_ears(std::span<const Vec3> corners) {
     return true;
   };
   while (left.size() > 3) {
-    // Chooses the ear with the shortest new edge, since fans would leave slivers. For very many
-    // corners it takes the first ear, to limit the time.
+    // Chooses the ear with the shortest new edge, since fans would leave slivers. If there are very
+    // many corners, it takes the first ear, to limit the time.
     std::size_t best = left.size();
     double shortest = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {
@@ -67,7 +67,7 @@ std::vector<std::array<int, 3>> clip_ears(std::span<const Vec3> corners) {
       }
     }
     if (best == left.size())
-      best = 0; // crosses itself or has no area: any corner
+      best = 0; // takes any corner if the polygon crosses itself or has no area
     const std::size_t tip = (best + 1) % left.size();
     triangles.push_back({left[best], left[tip], left[(best + 2) % left.size()]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(tip));

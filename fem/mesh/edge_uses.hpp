@@ -5,15 +5,15 @@
 
 namespace tactus::fem {
 
-/// One side of a triangle: the edge from a to b, a < b, in which triangle, and whether the triangle
-/// runs from a to b.
+/// One side of a triangle: the edge from a to b, a < b, the triangle, and whether the triangle runs
+/// from a to b.
 struct EdgeUse {
   int a, b;
   std::size_t triangle, side;
   bool forward;
 };
 
-/// The edges of all triangles; those of one edge are adjacent, in ascending order.
+/// The sides of all triangles, in ascending order, so that all uses of an edge are adjacent.
 [[nodiscard]] inline std::vector<EdgeUse> edge_uses(const Triangles& t) {
   std::vector<EdgeUse> uses;
   uses.reserve(3 * t.triangles.size());

@@ -45,7 +45,7 @@ void build_discrete(const Triangles& surface) {
   }
 }
 
-/// The volume between the outer shell's faces and those of each cavity.
+/// Adds the volume between the faces of the outer shell and those of each cavity.
 void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
   std::vector<int> loops;
   loops.reserve(faces_of_shell.size());
@@ -55,9 +55,11 @@ void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
   gmsh::model::geo::synchronize();
 }
 
-constexpr std::size_t kMaxTriangles = 60000; ///< filled without remeshing: 10^6 unknowns
-constexpr std::size_t kSimplified = 20000;   ///< beyond this, edges are first collapsed in one pass
-constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
+constexpr std::size_t kMaxTriangles = 60000; ///< most that are filled without remeshing, for 10^6
+                                             ///< unknowns
+constexpr std::size_t kSimplified = 20000;   ///< above this number, edges are first collapsed in
+                                             ///< one pass
+constexpr double kMaxVolumeChange = .01;     ///< difference between mesh and surface
 
 /// Fills a closed surface with tet10.
 class SurfaceFill {
@@ -84,7 +86,7 @@ public:
     predict_size(remesh_surface ? 0 : static_cast<double>(surface_.triangles.size()));
     if (!remesh_surface)
       return fill(surface_);
-    // Where faces lie close together, a coarser surface has less room for deviations.
+    // Where faces are close together, a coarser surface has less room for deviations.
     for (const auto& [size, deviation_factor] : std::initializer_list<std::pair<double, double>>{
              {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}})
       if (std::optional<Mesh> mesh = try_remeshed(size, deviation_factor))
@@ -115,8 +117,8 @@ private:
                             choice_.notify);
   }
 
-  /// The surface in triangles of `size` times the wanted edge, filled. Nothing if they cross or are
-  /// too many, or cannot be filled.
+  /// Remeshes the surface with triangles of `size` times the requested edge and fills it. Returns
+  /// nullopt if the triangles cross, are too many or cannot be filled.
   [[nodiscard]] std::optional<Mesh> try_remeshed(double size, double deviation_factor) {
     const std::function<double(const Vec3&)> edge = [&, scale = .85 * size](const Vec3& p) {
       return scale * (choice_.sizes ? std::min(target_edge_, choice_.sizes->at(p)) : target_edge_);
@@ -126,7 +128,7 @@ private:
     Triangles thin = large ? simplified(surface_, edge, .5 * deviation) : Triangles{};
     Triangles even = remeshed(large ? thin : surface_, edge, deviation);
     const bool crossed = crossing(even).has_value();
-    if (crossed && large) // which the simplified surface does not
+    if (crossed && large) // the simplified surface does not cross itself
       even = std::move(thin);
     if (even.triangles.size() > kMaxTriangles || (crossed && !large))
       return std::nullopt;
@@ -174,7 +176,7 @@ private:
   double solid_ = 0, skin_ = 0;    ///< m^3, m^2
   double target_edge_, mean_edge_; ///< m
   double slivers_;                 ///< share of the triangles
-  std::string reason_;             ///< the last refusal
+  std::string reason_;             ///< reason of the last refusal
 };
 
 } // namespace

@@ -4,7 +4,7 @@
 
 namespace tactus::fem {
 
-/// A closed triangle surface filled with tet10. Good triangles are kept; poor or needlessly fine
+/// Fills a closed triangle surface with tet10. Good triangles are kept; poor or needlessly fine
 /// surfaces are remeshed first.
 [[nodiscard]] Mesh mesh_surface(const Triangles&, const LoadChoice&);
 

@@ -15,7 +15,7 @@ namespace tactus::fem {
 void generate(int dimension) {
   gmsh::logger::stop();
   gmsh::logger::start();                              // forgets earlier errors
-  gmsh::option::setNumber("General.AbortOnError", 1); // ends the mesh, throws nothing
+  gmsh::option::setNumber("General.AbortOnError", 1); // ends the mesh without throwing
   gmsh::model::mesh::generate(dimension);
   gmsh::option::setNumber("General.AbortOnError", 2);
   std::vector<std::string> log;
@@ -25,7 +25,7 @@ void generate(int dimension) {
       throw InputError(line);
 }
 
-/// The mesh that gmsh holds; each volume is a region.
+/// Converts gmsh's present mesh; each volume is a region.
 Mesh import_mesh(double unit, bool face_sets) {
   Mesh mesh;
   std::vector<std::size_t> tags;
@@ -92,7 +92,7 @@ struct Facet {
   std::array<std::size_t, 3> node;
 };
 
-using Positions = std::unordered_map<std::size_t, Vec3>; ///< by the node's tag
+using Positions = std::unordered_map<std::size_t, Vec3>; ///< positions by the node's tag
 
 Positions node_positions() {
   Positions position;
@@ -190,7 +190,7 @@ void set_sizes(const SizeField& sizes, double unit, double finer) {
   const auto size_at = [&sizes, unit, scale](int, int, double x, double y, double z, auto...) {
     return scale * sizes.at({unit * x, unit * y, unit * z});
   };
-  gmsh::model::mesh::setSizeCallback(size_at); // gmsh 4.9 and newer also pass gmsh's own size
+  gmsh::model::mesh::setSizeCallback(size_at); // gmsh 4.9 and later also pass gmsh's own size
 }
 
 MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin, const Vec3& box,
@@ -198,7 +198,7 @@ MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double ski
   if (!choice.sizes)
     return predict_tetrahedra(volume, skin, box, h, faces);
   // If the model has several bodies, the field predicts the elements of all of them, so the
-  // prediction for one is limited by that of its smallest size.
+  // prediction for one body is limited to that with the smallest size.
   const MeshSize even = predict_tetrahedra(volume, skin, box, choice.sizes->smallest());
   return scaled(even, std::min(even.elements, choice.sizes->elements));
 }
@@ -223,7 +223,8 @@ void set_sizes(double h, const std::vector<double>& concave) {
 
 Mesh make_quadratic(bool curved, double unit, bool face_sets) {
   using namespace gmsh::model::mesh;
-  // gmsh's own repair ("HighOrder") takes minutes where fillets are smaller than the elements.
+  // gmsh's own repair ("HighOrder") is not used, since it takes minutes if fillets are smaller than
+  // the elements.
   gmsh::option::setNumber("Mesh.SecondOrderLinear", curved ? 0 : 1);
   setOrder(2);
   Mesh mesh = import_mesh(unit, face_sets);

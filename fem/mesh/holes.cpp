@@ -11,10 +11,11 @@ namespace tactus::fem {
 
 namespace {
 
-constexpr std::size_t kMaxRing = 4096; ///< edges of a hole that is closed
-constexpr double kFlat = .02;          ///< distance of corners from the plane, of the hole's extent
-/// A surface of fewer triangles keeps its one large opening: it may be a box or a cup drawn open on
-/// purpose. With more it is a scan or a terrain without its bottom.
+constexpr std::size_t kMaxRing = 4096; ///< maximum number of edges of a hole to close
+constexpr double kFlat = .02;          ///< distance of corners from the plane, relative to the
+                                       ///< hole's extent
+/// A surface with fewer triangles keeps its one large opening, since it may be a box or a cup that
+/// is open on purpose. A surface with more triangles is a scan or a terrain without its bottom.
 constexpr std::size_t kMinTriangles = 100;
 
 /// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
@@ -31,7 +32,7 @@ double off_plane(const std::vector<Vec3>& ring, const Vec3& centre) {
   return off;
 }
 
-/// Edges with a triangle on one side only: start -> (end, triangle), directed against the
+/// Edges with a triangle on one side only: start -> (end, triangle), directed opposite to the
 /// orientation of that triangle.
 using OpenEdges = std::map<int, std::pair<int, std::size_t>>;
 
@@ -79,7 +80,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
   const double size = bounding_box(t.points).largest();
   std::vector<Hole> holes;
   std::size_t large = 0, opening = 0;
-  std::function<void()> close_opening; // of the last large hole that is nearly plane
+  std::function<void()> close_opening; // closes the last large hole that is nearly plane
   while (!next.empty()) {
     const int start = next.begin()->first;
     const std::size_t beside = next.begin()->second.second;

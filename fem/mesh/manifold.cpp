@@ -10,13 +10,13 @@ namespace {
 
 constexpr double kSameAngle = 1e-6;
 
-/// A use of an edge with the angle of its triangle about the edge.
+/// A use of an edge, with the angle of its triangle about the edge.
 using AngledUse = std::pair<double, EdgeUse>;
 
 /// Joins the triangles at an edge in pairs. Turning about the edge, a triangle that runs from b to
-/// a begins a body and one that runs from a to b ends it, so that they pair like brackets, from
-/// where the turn is outside of all bodies. Of triangles at one angle those that begin come first:
-/// the wall between two solids pairs with itself and is a flat piece of its own.
+/// a begins a body and one that runs from a to b ends it, so they pair like brackets if the turn
+/// starts outside all bodies. Among triangles at the same angle, those that begin a body come
+/// first, so that the wall between two solids pairs with itself and becomes a separate flat piece.
 template <class Join> void join_bodies(std::vector<AngledUse>& order, Join&& join) {
   std::stable_sort(order.begin(), order.end(),
                    [](const AngledUse& u, const AngledUse& v) { return u.first < v.first; });
@@ -37,7 +37,7 @@ template <class Join> void join_bodies(std::vector<AngledUse>& order, Join&& joi
       start = i + 1;
     }
   }
-  if (depth != 0) { // the file's triangles do not agree which side is outside
+  if (depth != 0) { // the file's triangles disagree about the outside
     const std::size_t shift = order[0].second.forward ? 1 : 0;
     for (std::size_t i = 0; i < count; i += 2)
       join(order[(i + shift) % count].second, order[(i + shift + 1) % count].second);
@@ -55,7 +55,7 @@ template <class Join> void join_bodies(std::vector<AngledUse>& order, Join&& joi
   }
 }
 
-/// For each side of each triangle the neighbour across it, or -1 where the surface is open.
+/// For each side of each triangle, the neighbour across that side, or -1 where the surface is open.
 std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
   std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
   const auto uses = edge_uses(t);
@@ -94,7 +94,7 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
   return across;
 }
 
-/// Gives each fan of triangles around a point a point of its own.
+/// Gives each fan of triangles around a point a separate copy of the point.
 void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   std::vector<std::size_t> fan(3 * t.triangles.size());
   std::iota(fan.begin(), fan.end(), std::size_t{0});
@@ -130,8 +130,8 @@ void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   t.triangles = std::move(triangles);
 }
 
-/// If two pairs of neighbours still share both points of an edge, all pairs but the first get their
-/// own point in its middle. Returns how many points were added.
+/// If two pairs of neighbours still share both points of an edge, all pairs except the first get a
+/// separate point in the edge's middle. Returns the number of added points.
 std::size_t split_shared_edges(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   std::size_t done = 0;
   std::vector<bool> affected(t.triangles.size(), false);

@@ -3,10 +3,10 @@
 
 namespace tactus::fem {
 
-/// Makes a surface manifold: at most two triangles at an edge and one fan of triangles around a
-/// point. Where more meet, points are doubled, so that each sheet becomes a surface of its own; two
-/// triangles that bound the same piece of the body stay neighbours. Refuses an edge with an odd
-/// number of triangles above one, naming its position.
+/// Makes a surface manifold: at most two triangles share an edge, and one fan of triangles is
+/// around a point. Where more triangles meet, points are duplicated, so that each sheet becomes a
+/// separate surface. Two triangles that bound the same piece of the body stay neighbours. Refuses
+/// an edge with an odd number of triangles above one, and names its position.
 void make_manifold(Triangles&);
 
 } // namespace tactus::fem

@@ -88,7 +88,7 @@ Parts connected_parts(const Mesh& mesh) {
 
 namespace {
 
-/// Renumbers all nodes (-1: removed); the order of the nodes is kept.
+/// Renumbers all nodes and keeps their order; -1 in `to` removes a node.
 void renumber(Mesh& mesh, std::span<const int> to, std::size_t remaining) {
   std::vector<Vec3> kept(remaining);
   for (std::size_t i = mesh.nodes.size(); i-- > 0;)
@@ -217,9 +217,10 @@ bool has_straight_sides(const Mesh& mesh) {
 }
 
 std::size_t straighten_inverted(Mesh& mesh) {
-  // After two halvings most edges keep at least a quarter of their bend; the next attempt is
-  // straight. An element that is nearly flat would be as stiff as an inverted one is soft.
-  constexpr double kMinJacobianShare = .05; ///< of the Jacobian with straight sides
+  // The bend is halved at most twice, so that most edges keep at least a quarter of it; the next
+  // attempt makes the edge straight. A nearly flat element would be far too stiff, as an inverted
+  // one is far too soft.
+  constexpr double kMinJacobianShare = .05; ///< relative to the Jacobian with straight sides
   constexpr int kHalvings = 3;
   std::vector<std::uint8_t> halvings(mesh.nodes.size(), 0);
   std::vector<std::size_t> straightened, candidates(mesh.elements.size());

@@ -10,7 +10,7 @@ namespace tactus::fem {
 namespace {
 
 /// Sides, longest first, of the block with a body's volume and skin area, the longest at least
-/// `largest`. The block of a curled shell is its development.
+/// `largest`. For a curled shell it is the block of the flattened shell.
 std::array<double, 3> equivalent_block(double volume, double skin, double largest) {
   const auto others = [&](double a) { // b c and b + c
     return std::array{volume / a, (skin / 2 - volume / a) / a};
@@ -22,7 +22,7 @@ std::array<double, 3> equivalent_block(double volume, double skin, double larges
   const double b = (sum + std::sqrt(root)) / 2;
   if (b <= largest)
     return {largest, b, product / b};
-  // A square plate: S = 2 a^2 + 4 V / a, of whose roots the larger is sought.
+  // For a square plate S = 2 a^2 + 4 V / a; this finds the larger root a.
   double a = std::sqrt(skin / 2);
   for (int i = 0; i < 60; ++i)
     a = std::sqrt(std::max(skin / 2 - 2 * volume / a, 0.0) + 1e-300);
@@ -40,8 +40,8 @@ void set_cells(MeshSize& size, double skin) {
     c *= scale;
 }
 
-/// Node pairs of tet10 by inclusion and exclusion (10 * 11 / 2 = 55 a tetrahedron, 21 a face
-/// shared, 6 an inner edge, 1 an inner corner), the number of edges by Euler's formula.
+/// Node pairs of tet10 by inclusion and exclusion (10 * 11 / 2 = 55 per tetrahedron, 21 per shared
+/// face, 6 per inner edge, 1 per inner corner). Euler's formula gives the number of edges.
 double pairs_of_tet10(double tetrahedra, double faces, double nodes) {
   const double corners = std::max(0.0, (nodes - tetrahedra - faces / 2) / 2),
                edges = nodes - corners;
@@ -49,8 +49,8 @@ double pairs_of_tet10(double tetrahedra, double faces, double nodes) {
          (corners - faces / 2);
 }
 
-/// A plane across a tet10 mesh has this fraction of the nodes of one across a hex20 mesh with the
-/// same total number of nodes.
+/// A plane across a tet10 mesh contains this fraction of the nodes on a plane across a hex20 mesh
+/// with the same total number of nodes.
 constexpr double kTet10OnPlanes = .65;
 
 } // namespace
@@ -90,7 +90,7 @@ MeshSize predict_tetrahedra(double volume, double skin_area, const Vec3& box, do
   size.box = box;
   if (!(faces > 0))
     faces = 2.5 * skin_area / (h * h);
-  // In walls thinner than h, every second face has a prism of three tetrahedra.
+  // In walls thinner than h, there is a prism of three tetrahedra for every two faces.
   size.elements = std::cbrt(std::pow(5 * volume / (h * h * h), 3) + std::pow(1.53 * faces, 3));
   size.nodes = 1.33 * size.elements + faces;
   size.node_pairs = pairs_of_tet10(size.elements, faces, size.nodes);

@@ -10,7 +10,7 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kMinPartShare = 1e-4;  ///< share of the largest part's volume
-constexpr double kMaxDebrisShare = .01; ///< the same, of all small pieces together
+constexpr double kMaxDebrisShare = .01; ///< the same for all small pieces together
 
 std::string described(const Part& part) {
   return part.name + format(" (%.3g mm)", 1e3 * part.box.largest()) +

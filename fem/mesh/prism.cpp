@@ -9,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kParallel = 1e-6; ///< directions with a smaller sine of their angle are parallel
+constexpr double kParallel = 1e-6; ///< directions whose angle has a smaller sine are parallel
 constexpr double kEqual = 1e-6;    ///< relative difference of lengths, areas, volumes
 
 struct FlatFace {
@@ -18,7 +18,7 @@ struct FlatFace {
   double area;
 };
 
-/// Normals of a face at 3 x 3 of its parameters.
+/// Normals of a face at 3 x 3 points of its parameters.
 std::vector<Vec3> normals_of(int face, Vec3* point) {
   std::vector<double> low, high, at, xyz, normals;
   gmsh::model::getParametrizationBounds(2, face, low, high);
@@ -36,7 +36,7 @@ std::vector<Vec3> normals_of(int face, Vec3* point) {
   return out;
 }
 
-/// The prism along a direction, if the faces are those of one.
+/// The prism along a direction, if the faces form one.
 std::optional<Prism> along(const Vec3& direction, const std::vector<FlatFace>& flat,
                            const std::vector<std::vector<Vec3>>& curved, double volume) {
   std::vector<const FlatFace*> ends;

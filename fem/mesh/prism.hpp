@@ -10,14 +10,14 @@ namespace tactus::fem {
 struct Prism {
   int volume = 0;
   std::vector<int> base;                  ///< gmsh's tags of the faces at its lower end
-  Vec3 direction;                         ///< from the base to the other end, of unit length
-  double height = 0, solid = 0, skin = 0; ///< its length, volume and area
+  Vec3 direction;                         ///< unit vector from the base to the other end
+  double height = 0, solid = 0, skin = 0; ///< the prism's length, volume and skin area
   Vec3 box;                               ///< sides of the bounding box
 };
 
-/// gmsh's only volume as a prism, if it is one: all its faces are planes across one direction, at
-/// two levels, or run along it, and its volume is the base times the height. A block is one in
-/// three directions; the lowest height is taken.
+/// gmsh's only volume as a prism, if it is one. All faces of a prism are either planes across one
+/// direction, at two levels, or parallel to that direction, and its volume is base times height. A
+/// block is a prism in three directions; the one with the smallest height is used.
 [[nodiscard]] std::optional<Prism> find_prism();
 
 } // namespace tactus::fem

@@ -6,7 +6,8 @@ namespace tactus::fem {
 namespace {
 
 /// Twice the signed area of p, a, b in the plane of axes u and v. Exchanging a and b gives exactly
-/// the opposite number, so that a line through the common edge of two triangles meets one of them.
+/// the opposite number, so that a line through the common edge of two triangles meets exactly one
+/// of them.
 double area(double pu, double pv, const Vec3& a, const Vec3& b, int u, int v) {
   const bool swapped = a[u] != b[u] ? a[u] > b[u] : a[v] > b[v];
   const Vec3 &from = swapped ? b : a, &to = swapped ? a : b;

@@ -16,9 +16,9 @@ struct Crossing {
 /// A regular grid of points around a surface, and every crossing of its lines with the triangles.
 class RayGrid {
 public:
-  /// Points `spacing` (m) apart, `margin` of them beyond the surface's box on every side. Their
-  /// origin is shifted by odd shares of the spacing, so that faces parallel to an axis do not lie
-  /// on grid lines.
+  /// The points are `spacing` (m) apart, with `margin` points beyond the surface's box on every
+  /// side. Their origin is shifted by odd shares of the spacing, so that faces parallel to an axis
+  /// do not lie on grid lines.
   RayGrid(const Triangles&, double spacing, int margin);
 
   [[nodiscard]] double spacing() const noexcept { return spacing_; }
@@ -35,10 +35,10 @@ public:
 
   /// The winding number of the surface at every point, along x.
   [[nodiscard]] std::vector<std::int8_t> winding() const;
-  /// Volume where the winding number is above zero and where it is below, m^3, from the inside
-  /// lengths of lines along the axis that most faces are perpendicular to: for a plate, through its
-  /// thickness. Each line has a random position in its square, since lines on a regular grid would
-  /// hit or miss whole rows of a face aligned with the grid.
+  /// The volumes with winding numbers above zero and below zero, m^3. They follow from the inside
+  /// lengths of lines along the axis to which most faces are perpendicular; for a plate, through
+  /// its thickness. Each line has a random position in its square, since lines on a regular grid
+  /// would hit or miss whole rows of a face that is aligned with the grid.
   [[nodiscard]] std::array<double, 2> volumes(const Triangles&) const;
 
 private:

@@ -15,7 +15,8 @@ namespace {
 using Edge = std::pair<int, int>;
 
 constexpr double kFeature = 30 * std::numbers::pi / 180; ///< sharper edges are kept
-constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of such edges turns more
+constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< a line of such edges that turns more
+                                                         ///< has a corner
 
 class Remesher : TriangleRings {
 public:
@@ -61,16 +62,16 @@ private:
     return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
   }
   double span(int a, int b) const { return length(point(b) - point(a)); }
-  /// The length wanted of an edge.
+  /// The target length of an edge.
   double edge_at(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
 
   double quality(const Corners& t) const {
     return fem::quality(point(t[0]), point(t[1]), point(t[2]));
   }
 
-  /// The triangle that runs along a to b, or -1.
+  /// The triangle that runs from a to b, or -1.
   int beside(int a, int b) const {
-    // The corner with fewer triangles: a fan's centre may have thousands.
+    // Searches at the corner with fewer triangles, since the centre of a fan may have thousands.
     for (const int t : around_[at(around_[at(a)].size() < around_[at(b)].size() ? a : b)])
       for (std::size_t k = 0; k < 3; ++k)
         if (triangle_[at(t)][k] == a && triangle_[at(t)][(k + 1) % 3] == b)
@@ -140,7 +141,7 @@ private:
             all.emplace_back(t[k], t[(k + 1) % 3]);
     return all;
   }
-  /// Edges shorter or longer than a multiple of the size wanted there, the most extreme first.
+  /// Edges shorter or longer than a multiple of the target length there, the most extreme first.
   std::vector<Edge> edges_by_length(double limit, bool longer) const {
     std::vector<std::tuple<double, int, int>> found;
     for (const auto& [a, b] : edges())
@@ -269,7 +270,7 @@ private:
     }
   }
 
-  /// Edges between flat neighbours turn where that makes the worse of two triangles better.
+  /// Flips edges between coplanar neighbours if that improves the worse of the two triangles.
   void flip_edges() {
     for (int pass = 0; pass < 10; ++pass) {
       std::size_t done = 0;

@@ -13,8 +13,9 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kMaxGridPoints = 4e7;  ///< limits the grid's memory
-constexpr double kMaxSheets = .2;       ///< fraction of a wrap's triangles that enclose nothing
-constexpr double kMaxSkinSquares = 3e5; ///< largest skin area in squares of the grid's spacing
+constexpr double kMaxSheets = .2;       ///< largest fraction of a wrap's triangles that enclose
+                                        ///< nothing
+constexpr double kMaxSkinSquares = 3e5; ///< largest skin area, in units of the squared grid spacing
 
 /// m^2.
 double skin_area(const Triangles& t) {
@@ -24,7 +25,7 @@ double skin_area(const Triangles& t) {
   return sum;
 }
 
-/// The target spacing, or the finest one within the limits where that is coarser, m.
+/// The target spacing, or the finest spacing within the limits if that is coarser, m.
 double affordable(const Triangles& t, double target_spacing) {
   const Vec3 size = bounding_box(t.points).size();
   const double grid_volume = (size.x + 20 * target_spacing) * (size.y + 20 * target_spacing) *
@@ -34,8 +35,8 @@ double affordable(const Triangles& t, double target_spacing) {
 }
 
 /// Squared distance of every grid point to the nearest marked one, in squares of the spacing;
-/// (limit + 1)^2 where none is within `limit` spacings. One axis after the other, as by
-/// Felzenszwalb & Huttenlocher 2012; here only points within `limit` of each other are compared.
+/// (limit + 1)^2 if none is within `limit` spacings. Computed for one axis after the other, as in
+/// Felzenszwalb & Huttenlocher 2012, but only points within `limit` of each other are compared.
 std::vector<float> squared_distance(const RayGrid& grid, const std::vector<std::uint8_t>& marked,
                                     int limit) {
   const float far = static_cast<float>(limit + 1) * static_cast<float>(limit + 1);
@@ -91,7 +92,7 @@ template <class Use> void for_each_neighbour(const RayGrid& grid, std::size_t in
 
 /// The volume between the outer shells and their cavities, m^3.
 double enclosed(const Triangles& t) {
-  // Each shell is oriented outward by itself; separate_bodies() turns those that are cavities.
+  // Each shell is oriented outward; separate_bodies() turns the shells that are cavities.
   double sum = 0;
   for (const Triangles& body : separate_bodies(t))
     for (std::size_t i = 0; i < body.triangles.size(); ++i)
@@ -99,9 +100,9 @@ double enclosed(const Triangles& t) {
   return sum;
 }
 
-/// Smooths a surface over a few grid spacings while keeping its volume: the passes move every point
-/// by a fraction of its distance to the mean of its neighbours, alternately towards it and away
-/// from it (Taubin 1995).
+/// Smooths a surface over a few grid spacings while keeping its volume: each pass moves every point
+/// by a fraction of its distance to the mean of its neighbours, alternately towards the mean and
+/// away from it (Taubin 1995).
 void smooth(Triangles& t) {
   std::vector<Vec3> sum(t.points.size());
   std::vector<double> count(t.points.size());
@@ -120,9 +121,9 @@ void smooth(Triangles& t) {
   }
 }
 
-/// Moves sheets that touch apart, so that elements fit between them. weld() left a copy of a common
-/// point to each sheet, and along a common edge a point in its middle to one of them. These points
-/// move a tenth of the distance towards their neighbours.
+/// Moves touching sheets apart, so that elements fit between them. weld() gave each sheet a copy of
+/// a common point, and one of the sheets a point in the middle of a common edge. These points move
+/// a tenth of the distance towards their neighbours.
 void part_touching(Triangles& t, double distance) {
   std::vector<std::vector<int>> ring(t.points.size());
   for (const auto& c : t.triangles)
@@ -148,9 +149,9 @@ void part_touching(Triangles& t, double distance) {
   t.points = std::move(moved);
 }
 
-/// Removes crossings of triangles, which appear where more than one sheet passes through a cell:
-/// the points of crossing triangles move half of the distance towards the mean of their neighbours,
-/// in up to ten passes.
+/// Removes crossings of triangles, which appear if more than one sheet passes through a cell. In up
+/// to ten passes, the points of crossing triangles move half of the distance towards the mean of
+/// their neighbours.
 void relax_crossings(Triangles& t) {
   for (int pass = 0; pass < 10; ++pass) {
     const auto pairs = crossings(t, 10000);
@@ -215,8 +216,8 @@ Resurfaced united(const Triangles& t, double finer) {
 namespace {
 
 /// Marks the grid points that the centre of a ball reaches from the border of the grid without
-/// meeting a triangle. to_triangle: squared distance of each point to the triangles, in
-/// squares of the spacing, as is the ball's squared_radius.
+/// meeting a triangle. to_triangle: squared distance of each point to the triangles, in units of
+/// the squared spacing, like the ball's squared_radius.
 std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<float>& to_triangle,
                                        float squared_radius) {
   std::vector<std::uint8_t> centre(grid.count(), 0);
@@ -235,8 +236,8 @@ std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<fl
   return centre;
 }
 
-/// Among the triangles between two grid points, the fraction with both points outside: the ball
-/// touches them from both sides.
+/// Among the triangles between two grid points, the fraction with both points outside. The ball
+/// touches these triangles from both sides.
 double share_of_sheets(const RayGrid& grid, const std::vector<std::uint8_t>& inside) {
   std::size_t all = 0, sheets = 0;
   for (std::size_t i = 0; i < inside.size(); ++i)
@@ -253,7 +254,7 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   const double largest = bounding_box(t.points).largest();
   const double spacing = affordable(t, std::min(gap / 4, largest / 80));
   constexpr double kMinRadius = 1.5, kMaxRadius = 60;
-  const double radius = .5 * gap / spacing; // of the ball, in spacings
+  const double radius = .5 * gap / spacing; // radius of the ball, in spacings
   if (radius < kMinRadius)
     throw InputError(format("--shrink-wrap %.3g mm is too fine for this surface: expected at least "
                             "%.3g mm",

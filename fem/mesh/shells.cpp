@@ -201,7 +201,8 @@ std::set<std::array<int, 2>> touching_shells(const Triangles& t, double distance
   return pairs;
 }
 
-/// The shell that bounds each shell's body: itself, or of a cavity the deepest shell around it.
+/// The outer shell of each shell's body: the shell itself or, for a cavity, the innermost shell
+/// around it.
 std::vector<int> outer_shells(const std::vector<std::vector<int>>& around) {
   std::vector<int> outer(around.size(), -1);
   for (int s = 0; s < static_cast<int>(around.size()); ++s) {
@@ -232,7 +233,8 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     members[at(t.shell[i])].push_back(i);
   std::vector<std::vector<int>> around(at(t.shells));
-  // What touches the shell around it is no cavity: its wall would have no thickness.
+  // A shell that touches the shell around it is not a cavity, since the wall would have no
+  // thickness.
   std::optional<std::set<std::array<int, 2>>> touching;
   for (int s = 0; s < t.shells; ++s)
     for (int q = 0; q < t.shells; ++q)
@@ -262,7 +264,7 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
     const int s = t.shell[i];
     Triangles& body = bodies[at(number[at(outer[at(s)])])];
     auto corners = t.triangles[i];
-    for (int& v : corners) { // shells share no points
+    for (int& v : corners) { // since shells share no points
       int& known = name[at(v)];
       if (known < 0) {
         known = static_cast<int>(body.points.size());

@@ -42,7 +42,7 @@ struct Quadric {
 
 class Simplifier : TriangleRings {
 public:
-  /// Points marked in `kept` are not moved, nor are their triangles.
+  /// Points marked in `kept` and their triangles are not moved.
   Simplifier(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
              double deviation, const std::vector<bool>& kept)
       : TriangleRings(surface.triangles, surface.points.size()), surface_(surface),
@@ -79,7 +79,7 @@ private:
   struct Candidate {
     double cost;
     int from, onto, from_version, onto_version;
-    bool operator<(const Candidate& b) const { // the queue has the largest on top
+    bool operator<(const Candidate& b) const { // reversed, since the queue has the largest on top
       return cost != b.cost ? cost > b.cost : from != b.from ? from > b.from : onto > b.onto;
     }
   };
@@ -95,7 +95,7 @@ private:
     return fem::quality(point(t[0]), point(t[1]), point(t[2]));
   }
 
-  /// Puts the cheaper of the two collapses of an edge into the queue, then the other.
+  /// Puts both collapses of an edge into the queue, the cheaper one first.
   void push_candidate(int a, int b) {
     const double size = span(a, b), target = target_edge(a, b);
     if (size > .8 * target)
@@ -108,7 +108,7 @@ private:
       const double error = sum.at(relative(onto));
       if (error > .06 * deviation_ * deviation_ * sum.area)
         continue;
-      // Among flat parts the shortest edges go first, so that triangles stay even.
+      // In flat parts the shortest edges collapse first, so that triangles stay even.
       queue_.push({error + 1e-3 * deviation_ * deviation_ * size * size, from, onto,
                    version_[at(from)], version_[at(onto)]});
     }
@@ -165,8 +165,8 @@ private:
   double deviation_;
 };
 
-/// Marks the points of a surface around given positions. Of several positions within a quarter of
-/// the distance one counts for all.
+/// Marks the points of a surface around given positions. One of several positions within a quarter
+/// of the distance stands for all.
 class Marker {
 public:
   explicit Marker(const std::vector<Vec3>& points) : marked(points.size(), false) {

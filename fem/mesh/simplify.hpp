@@ -5,12 +5,12 @@
 
 namespace tactus::fem {
 
-/// A closed surface in fewer triangles: edges shorter than 0.8 `edge(position)` (m) collapse onto
-/// one of their ends, the cheapest first by the area-weighted squared distance to the planes merged
-/// there (quadric error, Garland & Heckbert 1997), and none becomes longer than 4/3 of it. Every
-/// old corner stays within `deviation` (m) of the new surface and no triangles cut each other that
-/// did not before: where either fails the old triangles are kept. Shells keep their numbers.
-/// O(n log n).
+/// Reduces the number of triangles of a closed surface. Edges shorter than 0.8 `edge(position)` (m)
+/// collapse onto one of their ends. The cheapest collapses come first, by the area-weighted squared
+/// distance to the planes merged there (quadric error, Garland & Heckbert 1997). No edge becomes
+/// longer than 4/3 `edge(position)`. Every old corner stays within `deviation` (m) of the new
+/// surface, and no triangles cut each other that did not before; where a collapse would violate
+/// this, the old triangles are kept. Shells keep their numbers. O(n log n).
 [[nodiscard]] Triangles simplified(const Triangles&, const std::function<double(const Vec3&)>& edge,
                                    double deviation);
 

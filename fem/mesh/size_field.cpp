@@ -8,7 +8,7 @@ namespace tactus::fem {
 
 SizeField::SizeField(std::vector<Vec3> points, std::vector<double> size)
     : point_(std::move(points)), size_(std::move(size)), box_(bounding_box(point_)) {
-  // About two points a cell.
+  // Chooses cells with about two points each.
   const Vec3 extent = box_.size();
   const double flat = 1e-3 * box_.largest();
   const double space = (extent.x + flat) * (extent.y + flat) * (extent.z + flat);
@@ -62,7 +62,7 @@ double SizeField::at(const Vec3& p) const noexcept {
             }
           }
         }
-    if (nearest <= ring * edge_) // farther cells hold nothing nearer
+    if (nearest <= ring * edge_) // farther cells contain no nearer point
       break;
   }
   return size;

@@ -24,7 +24,7 @@ std::vector<MeshFace> outer_faces(const Mesh& mesh) {
       const auto [at, added] = uses.try_emplace(key, Use{e, f, 0});
       if (++at->second.count > 2)
         throw InputError("element " + std::to_string(e + 1) +
-                         " shares a face with two others, expected with one at most");
+                         " shares a face with two others, expected at most one");
     }
   }
   std::vector<MeshFace> outer;
@@ -55,8 +55,8 @@ Surface surface_of(const Mesh& mesh) {
       };
       return length(at(i) - at(j));
     };
-    // The shorter way through the middle: along the longer one, a low face on a curved wall would
-    // tilt by more than its height.
+    // Takes the shorter diagonal through the middle: along the longer one, a low face on a curved
+    // wall would tilt by more than its height.
     const bool cross = face.corners == 4 && !linear && across(5, 7) < (1 - 1e-6) * across(4, 6);
     const Pattern& pattern = face.corners == 3 ? (linear ? tri3 : tri6)
                              : linear          ? quad4

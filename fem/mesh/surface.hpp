@@ -11,7 +11,7 @@ struct MeshFace {
   friend bool operator==(const MeshFace&, const MeshFace&) = default;
 };
 
-/// The faces that belong to one element alone, ascending by element and face. Refuses a face that
+/// The faces that belong to only one element, ascending by element and face. Refuses a face that
 /// three elements share.
 [[nodiscard]] std::vector<MeshFace> outer_faces(const Mesh&);
 

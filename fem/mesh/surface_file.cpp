@@ -15,11 +15,12 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kHoleArea = .05, kHoleExtent = .4; ///< largest closed hole over the body
-constexpr double kAllHolesArea = .1;                ///< of the skin, together
-constexpr double kSheet = .003; ///< thickness of the body, below which a capped surface is a sheet
-constexpr double kMaxSkinVolumeChange = .01; ///< of a rebuilt surface
-constexpr double kClosedGap = 2e-4;          ///< gap between joined pieces over the body's size
+constexpr double kHoleArea = .05, kHoleExtent = .4; ///< largest hole to close, relative to the body
+constexpr double kAllHolesArea = .1;                ///< all holes together, relative to the skin
+constexpr double kSheet = .003; ///< relative thickness below which a capped surface is a sheet
+constexpr double kMaxSkinVolumeChange = .01; ///< for a rebuilt surface
+constexpr double kClosedGap = 2e-4;          ///< gap between joined pieces, relative to the body's
+                                             ///< size
 
 using Notify = std::function<void(const std::string&)>;
 
@@ -75,7 +76,7 @@ void close_small_holes(Triangles& t, const Notify& notify) {
         near_position(holes[0].centre) + ": give it a thickness, or use --shrink-wrap SIZE");
 }
 
-/// A closed surface without intersections, from one that overlaps, touches or crosses itself.
+/// Makes a closed surface without intersections from one that overlaps, touches or crosses itself.
 Triangles unite(const Triangles& t, const std::string& reason, const Notify& notify) {
   for (const double finer : {1., 1.7, 3.}) {
     Resurfaced made = united(t, finer);
@@ -94,7 +95,7 @@ Triangles unite(const Triangles& t, const std::string& reason, const Notify& not
                             "one closed surface; repair it there, or use --shrink-wrap SIZE");
 }
 
-/// Shells that cross nothing, cavities inward, for winding numbers.
+/// Shells that do not cross each other, with cavities turned inward, for winding numbers.
 Triangles turned_by_nesting(const Triangles& t) {
   Triangles out;
   out.groups = t.groups;
@@ -137,8 +138,8 @@ Triangles repaired(Triangles t, bool multi, const Notify& notify) {
                  "the surface crosses itself: " + triangle_location(t, (*pair)[0]) + " cuts " +
                      triangle_location(t, (*pair)[1]),
                  notify);
-  // Faces of an assembly often miss each other by rounding in the program that made them. The
-  // grid of the union is a hundred times as wide and closes such gaps.
+  // Faces of an assembly often miss each other by rounding in the program that made them. The grid
+  // of the union is a hundred times coarser and closes such gaps.
   const double gap = std::max(welded.tolerance, (multi ? 1e-6 : kClosedGap) * size);
   if (shells_touch(t, gap))
     return unite(turned_by_nesting(t),
@@ -147,8 +148,8 @@ Triangles repaired(Triangles t, bool multi, const Notify& notify) {
   return t;
 }
 
-/// The wrap of a given size, or of the first of 1/25 of the body and its doubles that holds more
-/// than the sheet of triangles itself.
+/// The wrap of a given size. Without one, starts with 1/25 of the body and doubles the size until
+/// the wrap encloses more than the sheet of triangles itself.
 Triangles wrapped(const Triangles& t, double size, const Notify& notify) {
   constexpr int kDoublings = 5;
   double gap = size > 0 ? size : bounding_box(t.points).largest() / 25;

@@ -37,7 +37,8 @@ BaseMesh mesh_base(const Prism& prism, const SweepChoice& choice) {
   gmsh::model::occ::remove(others, true);
   gmsh::model::occ::synchronize();
   gmsh::option::setNumber("Mesh.RecombineAll", choice.quadrilaterals ? 1 : 0);
-  gmsh::option::setNumber("Mesh.RecombinationAlgorithm", 1); // Blossom: the best pairs of triangles
+  gmsh::option::setNumber("Mesh.RecombinationAlgorithm", 1); // Blossom, which finds the best pairs
+                                                             // of triangles
   gmsh::option::setNumber("Mesh.SecondOrderIncomplete", 1);
   gmsh::model::mesh::generate(2);
   gmsh::option::setNumber("Mesh.SecondOrderLinear", choice.curved ? 0 : 1);
@@ -51,7 +52,7 @@ BaseMesh mesh_base(const Prism& prism, const SweepChoice& choice) {
   for (std::size_t i = 0; i < tags.size(); ++i)
     position[tags[i]] = 3 * i;
   for (const int face : prism.base)
-    for (const auto& [type, corners] : {std::pair{9, 3}, {16, 4}}) { // gmsh's, of second order
+    for (const auto& [type, corners] : {std::pair{9, 3}, {16, 4}}) { // gmsh's types of second order
       std::vector<std::size_t> elements, nodes;
       gmsh::model::mesh::getElementsByType(type, elements, nodes, face);
       const auto all = 2 * static_cast<std::size_t>(corners);
@@ -139,7 +140,8 @@ Mesh sweep(const Prism& prism, std::span<const double> levels, const SweepChoice
       is_corner[static_cast<std::size_t>(cell.node[c])] = 1;
   Mesh mesh;
   const std::size_t layers = levels.size() - 1, count = base.points.size();
-  // Node numbers of the base's points at levels and half way between, where corners alone have one.
+  // Node numbers of the base's points at levels and half-way between them, where only corners have
+  // one.
   std::vector<int> number((2 * layers + 1) * count, -1);
   for (std::size_t step = 0; step <= 2 * layers; ++step) {
     const double share =
@@ -175,7 +177,7 @@ Mesh sweep(const Prism& prism, std::span<const double> levels, const SweepChoice
 
 namespace {
 
-constexpr double kMaxSweptVolumeChange = .01; ///< of the mesh against the solid
+constexpr double kMaxSweptVolumeChange = .01; ///< difference between mesh and solid
 
 /// Equally spaced levels as fractions of the height.
 std::vector<double> even_levels(double height, double h) {

@@ -4,22 +4,22 @@
 
 namespace tactus::fem {
 
-/// How the base of a prism is meshed and swept.
+/// Settings for meshing and sweeping the base of a prism.
 struct SweepChoice {
   bool quadrilaterals = true; ///< pairs triangles to quadrilaterals where possible
   bool curved = true;         ///< edges follow the base's curves
-  double unit = 1;            ///< metres a unit of the model
+  double unit = 1;            ///< metres per unit of the model
 };
 
 /// Meshes the base of a prism with gmsh (second order) and sweeps it through `levels` (fractions of
 /// the height, 0 to 1): hex20 and wedge15, m. An element's three intervals are the number of its
-/// base cell (twice) and, continuing the numbering, of its layer. gmsh's model keeps only the base.
-/// Cells whose curved edges would invert them get straight ones.
+/// base cell, twice, and the number of its layer, which continues the numbering. gmsh's model keeps
+/// only the base. Cells that their curved edges would invert get straight edges.
 [[nodiscard]] Mesh sweep(const Prism&, std::span<const double> levels, const SweepChoice&);
 
-/// gmsh's model as a swept mesh, if it is a prism: with the sizes of `size_for` or those of a
-/// refinement, which must have levels. Predicts its size first. Refuses a mesh whose volume differs
-/// from the solid's.
+/// Meshes gmsh's model as a swept mesh if it is a prism, with the sizes of `size_for` or of a
+/// refinement, which must have levels. Predicts the mesh's size first. Refuses a mesh whose volume
+/// differs from the solid's.
 [[nodiscard]] std::optional<Mesh> swept_mesh(const LoadChoice&, double unit, bool quadrilaterals);
 
 } // namespace tactus::fem

@@ -9,14 +9,15 @@
 
 namespace tactus::fem {
 
-/// 1 for an equilateral triangle, 0 for a line.
+/// Quality of a triangle: 1 if it is equilateral, 0 if it is a line.
 [[nodiscard]] inline double quality(const Vec3& p, const Vec3& q, const Vec3& r) {
   const double a = length(q - p), b = length(r - q), c = length(p - r);
   const double sides = a * a + b * b + c * c;
   return sides > 0 ? 2 * std::sqrt(3.0) * length(cross(q - p, r - p)) / sides : 0;
 }
 
-/// Those points that triangles use, in the order of their use, by which the corners are renamed.
+/// Returns the points that triangles use, in the order of their use, and renumbers the corners
+/// accordingly.
 [[nodiscard]] inline std::vector<Vec3> used_points(std::vector<std::array<int, 3>>& triangles,
                                                    const std::vector<Vec3>& points) {
   std::vector<int> name(points.size(), -1);
@@ -33,8 +34,8 @@ namespace tactus::fem {
   return used;
 }
 
-/// The triangles of a closed surface and, for each point, those around it, while edges collapse:
-/// what remeshing, simplifying and the skin for the air share.
+/// The triangles of a closed surface and, for each point, the triangles around it, while edges
+/// collapse. Remeshing, simplifying and the acoustic skin use it.
 class TriangleRings {
 protected:
   using Corners = std::array<int, 3>;
@@ -50,7 +51,7 @@ protected:
   [[nodiscard]] static bool has(const Corners& corners, int v) {
     return std::find(corners.begin(), corners.end(), v) != corners.end();
   }
-  /// The points with which a point shares an edge, by their numbers.
+  /// The points with which a point shares an edge, in the order of their numbers.
   [[nodiscard]] std::vector<int> neighbours(int v) const {
     std::vector<int> out;
     out.reserve(2 * around_[at(v)].size());
@@ -62,8 +63,8 @@ protected:
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
   }
-  /// Whether two points share an edge that can collapse: with more than two neighbours in common
-  /// the surface would be pinched. Together they have `max_neighbours` at most.
+  /// Whether two points share an edge that can collapse. They must not have more than two common
+  /// neighbours, or the surface would be pinched, and at most `max_neighbours` neighbours in total.
   [[nodiscard]] bool
   can_merge(int from, int onto,
             std::size_t max_neighbours = std::numeric_limits<std::size_t>::max()) const {
@@ -73,7 +74,8 @@ protected:
     return std::binary_search(a.begin(), a.end(), onto) && common.size() == 2 &&
            a.size() + b.size() <= max_neighbours;
   }
-  /// Moves all triangles of a point onto another; those of their edge go. Returns how many.
+  /// Moves all triangles of a point to another point and removes the triangles at their edge.
+  /// Returns the number of removed triangles.
   std::size_t merge(int from, int onto) {
     std::size_t gone = 0;
     for (const int t : around_[at(from)]) {
@@ -93,7 +95,7 @@ protected:
     return gone;
   }
 
-  std::vector<Corners> triangle_; ///< -1: gone
+  std::vector<Corners> triangle_; ///< -1 if removed
   std::vector<std::vector<int>> around_;
 };
 

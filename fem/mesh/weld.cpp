@@ -54,7 +54,7 @@ std::vector<int> corners_of(const std::vector<std::array<int, 2>>& edges) {
   return corners;
 }
 
-/// Joins corners of open edges within a distance; kept only if it closes edges.
+/// Joins corners of open edges within a distance, if that closes edges.
 bool join_open_edges(Triangles& t, double tolerance) {
   const auto open = open_edges(t);
   if (open.empty())
@@ -132,7 +132,7 @@ std::size_t split_at_junctions(Triangles& t, double tolerance) {
           t.group.push_back(t.group[i]);
       }
       ++done;
-      break; // its other edges in the next pass
+      break; // the next pass handles its other edges
     }
   return done;
 }
@@ -143,10 +143,10 @@ bool is_wall(const Triangles& t, std::span<const std::size_t> copies) {
                      [&](std::size_t i) { return dot(t.normal(i), t.normal(copies[0])) < 0; });
 }
 
-/// Keeps one of the triangles with the same corners. If instead the edges have an even number of
-/// triangles without them, the copies are removed if they are a wall between touching solids
-/// (opposite orientations), and all are kept if they are a face that a solid shares with one around
-/// it.
+/// Keeps one of the triangles with the same corners. But if the edges have an even number of
+/// triangles without the copies, there are two cases. Copies with opposite orientations are a wall
+/// between touching solids and are removed. Otherwise they are a face that a solid shares with a
+/// solid around it, and all are kept.
 std::size_t drop_duplicates(Triangles& t) {
   std::map<std::array<int, 3>, std::vector<std::size_t>> same;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
@@ -177,7 +177,7 @@ std::size_t drop_duplicates(Triangles& t) {
         if (twice[u->triangle] && twice[v->triangle])
           patch[root(u->triangle)] = root(v->triangle);
   });
-  std::map<std::size_t, int> odd; // odd edges of a patch, if one copy stays, minus even ones
+  std::map<std::size_t, int> odd; // odd minus even edges of a patch, if one copy stays
   for_each_edge(uses, [&](auto first, auto last) {
     int stay = 0, once = 0;
     std::size_t of = 0;
@@ -201,8 +201,8 @@ std::size_t drop_duplicates(Triangles& t) {
   return keep_triangles(t, [&](std::size_t i) { return keep[i]; });
 }
 
-/// Removes triangles with a free edge next to an edge with three or more triangles: they bound
-/// nothing.
+/// Removes triangles with a free edge next to an edge with three or more triangles: such triangles
+/// bound no volume.
 std::size_t drop_fins(Triangles& t) {
   std::size_t dropped = 0;
   for (bool again = true; again;) {

@@ -61,8 +61,8 @@ std::vector<double> poisson_slopes(const Mesh& mesh, std::span<const Material> m
                                    const Matrices& matrices, const Modes& modes) {
   if (materials.size() != 1 || !materials[0].isotropic())
     return {};
-  // Lame's constants are smooth in nu: central differences of them are right to the square of the
-  // step.
+  // Lamé's constants are smooth in nu, so the error of their central differences is of the order of
+  // the squared step.
   constexpr double kStep = 1e-4;
   std::vector<double> slopes(modes.frequency_hz.size(), 0.0);
   Matrices work = matrices;

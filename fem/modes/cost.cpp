@@ -11,8 +11,9 @@ namespace {
 
 constexpr auto kBlock = static_cast<double>(kLanczosBlock);
 
-/// Nested dissection of a block: halves across the longest side, down to one element. `touching`
-/// counts the block's ends, along each direction, that lie on older separators.
+/// Nested dissection of a block, which halves it across the longest side, down to one element.
+/// `touching` is the number of the block's ends, along each direction, that lie on older
+/// separators.
 class Dissection {
 public:
   explicit Dissection(double on_planes) : on_planes_(on_planes) {}
@@ -25,7 +26,7 @@ public:
 private:
   using Touching = std::array<int, 3>;
 
-  /// Nodes on a plane of a by b elements: hex20's, times `on_planes`.
+  /// Number of nodes on a plane of a by b elements: that of hex20, times `on_planes`.
   [[nodiscard]] double plane(double a, double b) const {
     return on_planes_ * ((a + 1) * (b + 1) + a * (b + 1) + (a + 1) * b);
   }
@@ -47,12 +48,12 @@ private:
         static_cast<std::size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
     const std::size_t p = (longest + 1) % 3, q = (longest + 2) % 3;
     FactorCost cost;
-    if (cells[longest] <= 1.5) { // a leaf: an element's interior nodes, almost none
+    if (cells[longest] <= 1.5) { // a leaf has only an element's interior nodes, almost none
       cost = front(2, older_nodes(cells, touching));
     } else {
       const double separator =
           plane(cells[p], cells[q]) *
-          // nodes on ends at older separators are already counted
+          // excludes nodes on ends at older separators, which are already counted
           std::max(.2, 1 - .5 * (touching[p] / cells[p] + touching[q] / cells[q]));
       cost = front(separator, older_nodes(cells, touching));
       cells[longest] /= 2;
@@ -77,7 +78,7 @@ private:
 
 FactorCost predict_factor(const MeshSize& size) {
   FactorCost cost = Dissection(size.nodes_on_planes)(size.cells);
-  // Supernodes are stored as rectangles: about a fifth more. In addition the matrix itself: 9
+  // Supernodes are stored as rectangles, which needs about a fifth more. The matrix itself adds 9
   // entries of 16 bytes per pair of nodes.
   cost.memory_bytes = 8 * 1.2 * cost.entries + 144 * size.node_pairs;
   return cost;
@@ -87,13 +88,14 @@ namespace {
 
 constexpr double kMeshNode = 24, kMeshElement = 104, kMatrixPair = 88; // bytes
 
-/// The times of factor and whole, on one core; `factor` is the matrix's.
+/// Adds the times of the factorisation and of all work, on one core; `factor` is that of the
+/// matrix.
 void add_seconds(Cost& cost, const Workload& work, const FactorCost& factor) {
   const MeshSize& mesh = work.mesh;
   const double pairs = mesh.node_pairs;
   const double panels = work.acoustic_triangles, unknowns = panels / 2;
-  // Measured on one core: half of the dense speed in the factor, 1.5 Gentries/s in a solve, a
-  // microsecond a node pair to assemble, 60 ns a pair of panels.
+  // Measured on one core: the factorisation has half of the dense speed, a solve reads 1.5
+  // Gentries/s, assembly takes 1 us per node pair, and a pair of panels takes 60 ns.
   const double solves = 2.5 * work.modes + 40;
   const double solutions = work.solutions > 0 ? work.solutions : work.modes;
   cost.factor_seconds = factor.operations / (.5 * work.flops_per_second);
@@ -119,7 +121,7 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   const double basis_columns = std::min(4 * found + 12 * kBlock, mesh.dofs()) + kBlock;
   const double lanes = 2 * kBlock * vector; // columns side by side in a product with K or M
 
-  constexpr double kProgram = 60e6; // memory of the program and its libraries without a body
+  constexpr double kProgram = 60e6; // memory of program and libraries without a body
   const double started = kProgram + work.retained_bytes;
   const double raw = started + kMeshNode * mesh.nodes + kMeshElement * mesh.elements;
   const double assembled = raw + kMatrixPair * pairs;
@@ -147,8 +149,8 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
               std::max(basis_columns + found + 6 * kBlock, 4 * found) * vector + lanes,
           "the basis of the modes");
     if (work.estimated) {
-      // Blocks and vectors of an element's enriching functions: 19 in hex20, 7 of them not shared
-      // with neighbours, and 10 in tet10, about 3.5 not shared.
+      // Memory of the blocks and vectors of an element's enriching functions. hex20 has 19, of
+      // which 7 are not shared with neighbours; tet10 has 10, of which about 3.5 are not shared.
       const double element = mesh.nodes_on_planes < 1 ? 10e3 : 30e3;
       stage(assembled + factored + shapes + (element + 12 * work.modes) * mesh.elements + 3 * lanes,
             "the error estimate");
@@ -158,9 +160,9 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   if (work.residual)
     stage(assembled + shapes + factorising + 4 * kBlock * vector, "the residual compliance");
   const double panels = work.acoustic_triangles, unknowns = panels / 2;
-  // Some 200 neighbours of a panel are integrated in closed form and kept, 220 bytes each.
+  // About 200 neighbours of each panel are integrated in closed form and stored, 220 bytes each.
   const double air = panels > 0 ? 16 * unknowns * unknowns + 220 * 60 * panels : 0;
-  // The skin is coarsened before the air is solved.
+  // The skin is coarsened before the air's equations are solved.
   stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0),
         "the air around the body");
 

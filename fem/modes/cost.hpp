@@ -11,11 +11,13 @@ struct Workload {
   MeshSize mesh;
   double modes = 40;
   bool residual = false;
-  bool estimated = false;        ///< each mode's error (fem/error/error_estimate.hpp)
-  double acoustic_triangles = 0; ///< 0: no radiation
-  double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
-  bool factor_elsewhere = false; ///< on other processes: not counted here
-  double flops_per_second = 8e9; ///< of a dense product, on the threads used
+  bool estimated = false;        ///< whether modes' errors are estimated
+                                 ///< (fem/error/error_estimate.hpp)
+  double acoustic_triangles = 0; ///< 0 without radiation
+  double solutions = 0;          ///< air solutions, groups of modes times ratios; 0 for one per
+                                 ///< mode
+  bool factor_elsewhere = false; ///< other processes factorise; not counted here
+  double flops_per_second = 8e9; ///< speed of a dense product with the threads used
   double retained_bytes = 0;     ///< memory of another mesh's results, kept meanwhile
 };
 
@@ -27,7 +29,7 @@ struct Workload {
 struct Cost {
   double bytes = 0;
   double seconds = 0;        ///< all stages, within a factor of two or three
-  double factor_seconds = 0; ///< of those, the factorisation
+  double factor_seconds = 0; ///< time of the factorisation in `seconds`
   const char* stage = "";
 };
 
@@ -37,9 +39,9 @@ struct Cost {
 /// b^2 operations.
 [[nodiscard]] FactorCost predict_factor(const MeshSize&);
 
-/// The cost of all stages; with `exact`, of the symbolic factorisation, in place of the predicted
-/// one. Memory is right within kCostMargin on meshes of shapes and of gmsh (tests/fem/cost_test.cpp
-/// and test_modal_fem_budget.py).
+/// The cost of all stages; `exact`, from the symbolic factorisation, replaces the predicted cost of
+/// the factor. Memory is right within kCostMargin on meshes of shapes and of gmsh
+/// (tests/fem/cost_test.cpp and test_modal_fem_budget.py).
 [[nodiscard]] Cost predict_cost(const Workload&, const std::optional<FactorCost>& exact = {});
 
 inline constexpr double kCostMargin = 1.3;

@@ -8,7 +8,7 @@
 namespace tactus::fem {
 namespace {
 
-/// xorshift64*: the same start everywhere.
+/// xorshift64*, which gives the same start vectors everywhere.
 double random_unit(std::uint64_t& state) {
   state ^= state >> 12;
   state ^= state << 25;
@@ -44,11 +44,11 @@ public:
           next[c * n_ + i] = 0;
     weighted_.resize(n_ * kLanczosBlock);
     matrices_.multiply_mass(next, weighted_, kLanczosBlock);
-    apply(next, kLanczosBlock); // smooths the noise
+    apply(next, kLanczosBlock); // one solve smooths the random vectors
     next_width = orthonormalise(next, kLanczosBlock, nullptr);
   }
 
-  /// Appends the next block and makes the one after it.
+  /// Appends the next block and computes the block after it.
   void step() {
     std::copy(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(n_ * next_width),
               basis_.begin() + static_cast<std::ptrdiff_t>(n_ * width));
@@ -142,7 +142,7 @@ private:
       add_product(-1, {deflated_, fixed}, {on_fixed, rank}, block, n_);
       const std::vector<double> on_basis = transposed_product(basis, width, weighted, rank, n_);
       add_product(-1, {basis, width}, {on_basis, rank}, block, n_);
-      if (coefficients) // on_basis times the coupling so far
+      if (coefficients) // adds on_basis times the coupling so far
         add_product(1, {on_basis, rank}, {coupling, columns}, *coefficients, width);
       matrices_.multiply_mass(std::span(block).first(n_ * rank), weighted, rank);
       const std::vector<double> gram =
@@ -203,7 +203,7 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
     if (lanczos.next_width > 0)
       lanczos.step();
     // Most pairs converge in the last few blocks, so progress is estimated from the number of
-    // solves; the pairs decide when it ends.
+    // solves. The iteration ends when the pairs have converged.
     if (settings.progress)
       settings.progress(std::min(.95, static_cast<double>(lanczos.solves) /
                                           static_cast<double>(2 * count + 100)));

@@ -9,11 +9,11 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kLinked = .1;    // MAC of modes that are treated together
-constexpr double kMatched = .5;   // square of a singular value that has a successor
-constexpr double kNoShare = 1e-9; // rounding
+constexpr double kLinked = .1;    // smallest MAC of linked modes
+constexpr double kMatched = .5;   // smallest square of a singular value for a match
+constexpr double kNoShare = 1e-9; // smaller shares are rounding errors
 
-/// c of the declaration, [before][now].
+/// The matrix c of the declaration, [before][now].
 std::vector<double> correlation(const Matrices& m, std::span<const double> before,
                                 std::span<const double> now) {
   const std::size_t n = m.dofs(), p = now.size() / n, q = before.size() / n;
@@ -61,7 +61,7 @@ std::vector<ModeMatch> match_modes(const Matrices& m, std::span<const double> be
     if (from.empty() || to.empty())
       continue;
     const std::size_t width = from.size(), height = to.size();
-    std::vector<double> part(width * height); // column-major, a column for each mode before
+    std::vector<double> part(width * height); // column-major, one column for each earlier mode
     for (std::size_t i = 0; i < width; ++i)
       for (std::size_t j = 0; j < height; ++j)
         part[i * height + j] = c[from[i] * p + to[j]];
@@ -73,7 +73,7 @@ std::vector<ModeMatch> match_modes(const Matrices& m, std::span<const double> be
         continue;
       const double* v = &squares.vectors[s * width];
       for (std::size_t j = 0; j < height; ++j) {
-        double along = 0; // of the left singular vector
+        double along = 0; // component of the left singular vector
         for (std::size_t i = 0; i < width; ++i)
           along += part[i * height + j] * v[i];
         along /= std::sqrt(squares.values[s]);

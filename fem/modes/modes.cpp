@@ -30,8 +30,8 @@ double default_shift(const Mesh& mesh, std::span<const Material> materials) {
 
 double highest_wave_number(double volume, double skin, double length, const Material& m,
                            std::size_t count) {
-  // For an orthotropic material the geometric mean of the stiffest and the softest direction: it
-  // gives the same number of waves, and the error estimate then refines each direction.
+  // For an orthotropic material, uses the geometric mean of the stiffest and the softest direction.
+  // It gives the same number of waves; the error estimate then refines each direction.
   const double soft =
       m.isotropic() ? m.young_pa[0] : *std::min_element(m.young_pa.begin(), m.young_pa.end());
   const double shear = m.isotropic() ? m.young_pa[0] / (2 * (1 + m.poisson[0]))
@@ -77,7 +77,7 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   modes.rigid = rigid.size() / matrices.dofs();
   modes.cost = factor.cost();
   std::size_t kept = 0, found = 0, asked = settings.count + 1;
-  do { // more than asked for, until the last group is complete
+  do { // more than requested, until the last group is complete
     asked += asked > settings.count + 1 ? asked / 2 + 4 : 3;
     Spectrum spectrum = lowest_modes(
         matrices, factor, shift, rigid,
@@ -133,7 +133,7 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.lambda < b.lambda; });
-  // Equal but for rounding: the columns keep their order, whatever the last bit is.
+  // Modes that are equal except for rounding keep their order, whatever the last bit is.
   for (std::size_t first = 0; first < count;) {
     std::size_t end = first + 1;
     while (end < count &&
@@ -161,7 +161,7 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
 
 namespace {
 
-/// The node farthest from the middle in a direction; of equal ones the first.
+/// The node farthest from the middle in a direction; the first of equally distant nodes.
 std::size_t farthest_node(const Mesh& mesh, const Vec3& direction) {
   const double size = bounding_box(mesh.nodes).largest();
   std::size_t best = 0;
@@ -172,7 +172,7 @@ std::size_t farthest_node(const Mesh& mesh, const Vec3& direction) {
 }
 
 /// The orthogonal matrix (columns: new modes) that puts the motion at `node` into the first column;
-/// false when the group does not move there.
+/// false if the group does not move there.
 bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t first,
                  std::size_t width, std::size_t node, std::vector<double>& rotation) {
   std::vector<double> gram(width * width, 0.0);
@@ -236,7 +236,8 @@ void make_canonical(const Mesh& mesh, Modes& modes, double same) {
     double largest = 0;
     for (std::size_t i = 0; i < n; ++i)
       largest = std::max(largest, std::abs(u[i]));
-    // The first entry near the largest: symmetric shapes have several equal but for rounding.
+    // Takes the first entry near the largest, because symmetric shapes have several that are equal
+    // except for rounding.
     const double* sign =
         std::find_if(u, u + n, [&](double x) { return std::abs(x) > .99 * largest; });
     if (sign != u + n && *sign < 0)

@@ -62,7 +62,7 @@ void remove_rigid_part(std::span<const double> rigid, std::span<const double> he
   }
 }
 
-/// Means of the four nearest of the chosen vertices, weighted by the inverse square of distance.
+/// Means over the four nearest chosen vertices, weighted with the inverse square of distance.
 std::vector<float> interpolated(const std::vector<Vec3>& points,
                                 const std::vector<std::size_t>& chosen,
                                 const std::vector<double>& deflections, double radius) {
@@ -92,7 +92,7 @@ PushPatch push_patch(const Mesh& mesh, const Surface& skin, std::size_t vertex, 
   PushPatch patch;
   for (std::size_t v = 0; v < area.size(); ++v) {
     const double size = length(area[v]);
-    // The far side of a thin wall and faces round a sharp edge are not pushed.
+    // The force does not act on the far side of a thin wall or on faces beyond a sharp edge.
     if (length(at(v) - at(vertex)) > radius || !(size > 0) ||
         dot(area[v], area[vertex]) < .7 * size * length(area[vertex]))
       continue;

@@ -11,7 +11,7 @@ inline constexpr std::size_t kCompliancePoints = 128;
 /// along its own normal.
 struct PushPatch {
   std::vector<std::size_t> node;
-  std::vector<Vec3> force; ///< 1
+  std::vector<Vec3> force; ///< dimensionless
   double area = 0;         ///< m^2
 };
 [[nodiscard]] PushPatch push_patch(const Mesh&, const Surface&, std::size_t vertex, double radius);
@@ -22,12 +22,12 @@ struct PushPatch {
 ///   r = f'(K^-1 - sum phi phi'/omega^2) f - 16 (1 - nu^2) / (3 pi^2 E R),    f = push_patch
 ///
 /// K^-1 excludes the rigid motions. The last term is the mean indentation of a half space under
-/// uniform pressure on a circle (Johnson 1985, 3.29), R the radius for the patch's area; it is
+/// uniform pressure on a circle (Johnson 1985, 3.29), with R the radius for the patch's area. It is
 /// subtracted because a Hertz contact already contains the half space's compliance. Negative values
 /// are set to zero. K^-1 is computed from K + s M, with s far below the first omitted mode, with a
 /// relative error of s/omega^2. It is computed at `probe_count` vertices as far apart as possible,
 /// and interpolated from the nearest four with weights 1/distance^2. The patch is about 1.5
-/// elements wide: finer meshes resolve edges better. Uses the isotropic material of the first
+/// elements wide, so finer meshes resolve edges better. Uses the isotropic material of the first
 /// region.
 [[nodiscard]] std::vector<float> residual_compliance(const Mesh&, std::span<const Material>,
                                                      const Matrices&, const Modes&,

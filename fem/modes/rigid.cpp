@@ -8,8 +8,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Relative to the stiffness of the stiffest node, per node: rounding leaves about 1e-16 in a rigid
-/// motion.
+/// Energy limit per node, relative to the stiffness of the stiffest node; rounding leaves about
+/// 1e-16 in a rigid motion.
 constexpr double kNoEnergy = 3e-15;
 
 std::vector<double> trial_motions(const Mesh& mesh, const Parts& parts) {
@@ -53,14 +53,14 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   const auto count = 6 * static_cast<std::size_t>(parts.count);
   std::vector<double> trial = trial_motions(mesh, parts);
 
-  double scale = 0; // the stiffest diagonal of K: energy of one node moved alone
+  double scale = 0; // largest diagonal of K: the energy if only one node moves
   for (std::size_t node = 0; node < m.graph.node_count(); ++node)
     for (const std::size_t i : {0u, 4u, 8u})
       scale = std::max(scale, m.stiffness[9 * m.graph.find(static_cast<std::int64_t>(node),
                                                            static_cast<std::int64_t>(node)) +
                                           i]);
   // The cost of each motion: its strain energy, plus the squared displacement of constrained nodes.
-  // Constrained rows are restored in K here, since a trial motion may move them.
+  // Uses K with its constrained rows, since a trial motion may move them.
   std::vector<double> image(n * count);
   Matrices free = m;
   std::fill(free.constrained.begin(), free.constrained.end(), std::uint8_t{0});
@@ -89,7 +89,7 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
       for (std::size_t c = 0; c < rigid; ++c)
         found[c * n + i] = 0;
 
-  // Orthonormal with respect to the mass.
+  // Makes the motions orthonormal with respect to the mass.
   std::vector<double> weighted(n * rigid);
   m.multiply_mass(found, weighted, rigid);
   const Eigenpairs gram =

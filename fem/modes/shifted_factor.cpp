@@ -42,8 +42,8 @@ struct ShiftedFactor::Implementation {
 
   void fill(const Matrices& m, double shift);
   std::vector<SuiteSparse_long> order(const NodeGraph&);
-  /// Makes the factor that the numeric phase fills. `from` stays symbolic: further factors of the
-  /// same graph copy it.
+  /// Makes the factor that the numeric phase fills. `from` stays symbolic, so that further factors
+  /// of the same graph can copy it.
   void copy_symbolic(cholmod_factor* from) {
     factor = from ? cholmod_l_copy_factor(from, &common) : nullptr;
     if (!factor)
@@ -99,8 +99,8 @@ void ShiftedFactor::Implementation::fill(const Matrices& m, double shift) {
 }
 
 /// Permutation of the degrees of freedom by nested dissection of the nodes; the three directions of
-/// a node stay together. With a third of the rows it is several times faster than ordering the
-/// degrees of freedom, and the fill is the same.
+/// a node stay together. With a third of the rows this is several times faster than ordering the
+/// degrees of freedom, with the same fill.
 std::vector<SuiteSparse_long> ShiftedFactor::Implementation::order(const NodeGraph& graph) {
   const std::size_t n = graph.node_count();
   std::vector<SuiteSparse_long> graph_start(graph.start.begin(), graph.start.end());
@@ -146,7 +146,7 @@ void ShiftedFactor::factorise() {
     throw InputError("the factor does not fit into memory: " +
                      std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
                      " MB are needed: use a coarser mesh (--h)");
-  impl_->matrix.i = impl_->matrix.x = nullptr; // solutions need the size alone
+  impl_->matrix.i = impl_->matrix.x = nullptr; // solutions need only the size
   impl_->row = {};
   impl_->value = {};
 }
@@ -157,7 +157,7 @@ void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::s
   right.nrow = right.d = n;
   right.ncol = columns;
   right.nzmax = n * columns;
-  right.x = const_cast<double*>(b.data()); // only read
+  right.x = const_cast<double*>(b.data()); // only read by CHOLMOD
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   if (!cholmod_l_solve2(CHOLMOD_A, impl_->factor, &right, nullptr, &impl_->solution, nullptr,

@@ -10,11 +10,11 @@
 namespace tactus::fem {
 namespace {
 
-/// Wider panels would store more zeros above the diagonal of their inverses, narrower ones take
+/// Wider panels would store more zeros above the diagonal of their inverses; narrower panels need
 /// more calls.
 constexpr int kMaxPanelColumns = 48;
 
-/// Rows are gathered and scattered through 32-bit numbers, which CHOLMOD's own size limits allow.
+/// Row numbers have 32 bits, which CHOLMOD's own size limits allow.
 std::int32_t narrow(std::int64_t value) { return static_cast<std::int32_t>(value); }
 
 /// The inverse of a lower triangle of n columns, column by column, with zeros above.
@@ -56,7 +56,8 @@ SingleFactor::SingleFactor(const SupernodalFactor& f) {
       largest = std::max(largest, width + inside + beyond);
     }
   }
-  // Uses pages of two megabytes if the system offers them: a substitution reads the whole factor.
+  // Uses pages of two megabytes if the system offers them: since a substitution reads the whole
+  // factor.
   constexpr std::size_t kHugePage = std::size_t{1} << 21;
   const std::size_t bytes = (values_ * sizeof(float) / kHugePage + 1) * kHugePage;
   value_.reset(static_cast<float*>(std::aligned_alloc(kHugePage, bytes)));

@@ -6,18 +6,18 @@
 
 namespace tactus::fem {
 
-/// A supernodal Cholesky factor as CHOLMOD stores it: columns first_column[s] to
-/// first_column[s + 1] of supernode s have the rows row[first_row[s]] to row[first_row[s + 1]], its
-/// own columns first, and their values column by column from value[first_value[s]] on. Entries
-/// above the diagonal are not defined.
+/// A supernodal Cholesky factor as CHOLMOD stores it: columns first_column[s] to first_column[s +
+/// 1] of supernode s have the rows row[first_row[s]] to row[first_row[s + 1]], with the supernode's
+/// own columns first. Their values are stored column by column from value[first_value[s]] on.
+/// Entries above the diagonal are not defined.
 struct SupernodalFactor {
   std::span<const std::int64_t> first_column, first_row, first_value, row, permutation;
   std::span<const double> value;
 };
 
 /// A copy of a Cholesky factor in single precision, stored for substitutions: panels of a few
-/// columns, each with the inverse of its triangle and the rows below it, so that a substitution is
-/// products of dense matrices and vectors that read memory once from front to back.
+/// columns, each with the inverse of its triangle and the rows below it. A substitution then
+/// consists of products of dense matrices and vectors that read memory once from front to back.
 class SingleFactor {
 public:
   explicit SingleFactor(const SupernodalFactor&);
@@ -25,18 +25,18 @@ public:
   SingleFactor(const SingleFactor&) = delete;
   SingleFactor& operator=(const SingleFactor&) = delete;
 
-  /// x = (L L')^-1 b, right to some 1e-6 of its largest entry times the condition of L; `x` and `b`
-  /// may be the same memory.
+  /// x = (L L')^-1 b, with an error of about 1e-6 of its largest entry times the condition of L;
+  /// `x` and `b` may be the same memory.
   void solve(std::span<const double> b, std::span<double> x);
   [[nodiscard]] double memory_bytes() const noexcept;
 
 private:
   struct Panel {
-    std::int64_t column;    ///< the first
-    std::int64_t first_row; ///< in row_: of the rows below its supernode
-    std::int64_t value;     ///< the first in value_
+    std::int64_t column;    ///< first column
+    std::int64_t first_row; ///< position in row_ of the rows below its supernode
+    std::int64_t value;     ///< first position in value_
     int width, inside,
-        beyond; ///< columns; rows below: columns of its supernode that follow, others
+        beyond; ///< number of columns; rows below, within the supernode and beyond
   };
   struct Release {
     void operator()(float*) const noexcept;

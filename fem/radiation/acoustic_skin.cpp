@@ -91,7 +91,7 @@ struct Quadric {
 };
 
 /// The ends of all edges at which the skin turns outwards by more than 40 degrees. There the
-/// velocity of the air is infinite: the pressure goes as r^(2/3) at a right angle.
+/// velocity of the air is infinite: the pressure is proportional to r^(2/3) at a right angle.
 std::vector<std::array<int, 2>> sharp_edges(const AcousticSkin& s) {
   std::map<std::pair<int, int>, std::size_t> owner;
   for (std::size_t t = 0; t < s.triangle.size(); ++t)
@@ -114,9 +114,9 @@ std::vector<std::array<int, 2>> sharp_edges(const AcousticSkin& s) {
   return sharp;
 }
 
-/// A fourth coordinate that lengthens what leads away from sharp edges, so that triangles of equal
-/// size in four dimensions are flat beside them: at a distance d below `reach` an edge of length h
-/// across becomes about h sqrt(d/reach) long.
+/// A fourth coordinate that makes distances away from sharp edges longer, so that triangles of
+/// equal size in four dimensions are flat beside such edges. At a distance d below `reach`, an edge
+/// across of length h becomes about h sqrt(d/reach) long.
 std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
   std::vector<double> depth(s.vertex.size(), 2 * reach);
   const auto edges = sharp_edges(s);
@@ -152,12 +152,12 @@ public:
   }
 
   AcousticSkin coarse() {
-    // Rounds with a growing cost limit: fast, deterministic, and the sizes stay even.
+    // Works in rounds with a growing cost limit, which is fast and deterministic and keeps the
+    // sizes even.
     double area = 0; // in four dimensions
     for (const auto& t : triangle_)
       area += shape_of(t).first;
-    // Edge of the equilateral triangles, with a margin for places where no other collapse is
-    // possible.
+    // Edge of equilateral triangles, with a margin for places where no other collapse is possible.
     longest_ = 1.4 * even_edge(area);
     double limit = 1e-4 * area / static_cast<double>(target_triangles_);
     for (int round = 0; round < 80 && count_ > target_triangles_;
@@ -189,7 +189,7 @@ private:
   double even_edge(double area) const {
     return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(target_triangles_));
   }
-  /// Squared distance in four dimensions.
+  /// The squared distance in four dimensions.
   double separation(int a, int b) const {
     const Vec3 offset = vertex(b) - vertex(a);
     const double down = depth_[at(b)] - depth_[at(a)];
@@ -235,8 +235,8 @@ private:
   std::size_t target_triangles_;
   std::vector<double> depth_; ///< m, the fourth coordinate
   std::vector<Quadric> quadric_;
-  std::size_t count_;  ///< triangles left
-  double longest_ = 0; ///< m, edge that a collapse may make
+  std::size_t count_;  ///< number of triangles left
+  double longest_ = 0; ///< m, longest edge that a collapse may make
 };
 
 } // namespace
@@ -247,7 +247,7 @@ AcousticSkin with_triangles(const AcousticSkin& skin, std::size_t triangles) {
     out = refined(out);
   if (const std::size_t now = out.triangle.size(); now != triangles)
     if (2 * now <= triangles || (now <= 4 * triangles && !sharp_edges(out).empty()))
-      out = refined(out); // to be coarsened again, beside sharp edges less
+      out = refined(out); // will be coarsened again, but less beside sharp edges
   return out.triangle.size() > triangles ? Collapse(std::move(out), triangles).coarse() : out;
 }
 
@@ -299,7 +299,8 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
       Share share{};
       double min_distance_squared = std::numeric_limits<double>::infinity();
       for (std::size_t u = 0; u < coarse.triangle.size(); ++u) {
-        if (dot(normal[u], twice) <= 0) // the other side of a thin wall is near, and wrong
+        if (dot(normal[u], twice) <= 0) // skips the other side of a thin wall, which is near but
+                                        // wrong
           continue;
         const double away = length(p - middle[u]) - radius[u];
         if (away > 0 && away * away >= min_distance_squared)

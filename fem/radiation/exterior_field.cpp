@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-// LAPACK, which OpenBLAS carries: LU with partial pivoting and its solve, column-major.
+// LAPACK from OpenBLAS: LU with partial pivoting and its solve, column-major.
 extern "C" void zgesv_(const int* n, const int* columns, std::complex<double>* matrix,
                        const int* leading, int* pivots, std::complex<double>* right,
                        const int* leading_right, int* info);
@@ -30,7 +30,7 @@ std::vector<OuterPoint> outer_rule(bool touching) {
     }
   if (!touching)
     return rule;
-  // Touching panels: the inner integral has a logarithmic singularity at the edge, which four
+  // For touching panels the inner integral has a logarithmic singularity at the edge, which four
   // quarters resolve.
   const std::array<std::array<std::array<double, 3>, 3>, 4> quarters{
       {{{{1, 0, 0}, {.5, .5, 0}, {.5, 0, .5}}},
@@ -79,8 +79,8 @@ void ExteriorField::prepare_neighbours() {
         continue;
       Neighbours pair{static_cast<int>(u), {}, {}, {}};
       for (const OuterPoint& o : distance < reach ? touching : plain) {
-        // Test point on the first panel: the potential, and the slope with the normal of the second
-        // panel (`back`).
+        // With the test point on the first panel: the potential, and the slope along the normal of
+        // the second panel (`back`).
         const StaticIntegrals over_q = static_integrals(q, point_of(p, o.hat));
         const StaticIntegrals over_p = static_integrals(p, point_of(q, o.hat));
         for (std::size_t a = 0; a < 3; ++a)
@@ -102,8 +102,8 @@ void ExteriorField::prepare_neighbours() {
 std::vector<Complex> ExteriorField::matrix(double k) const {
   const std::size_t n = unknowns(), count = panels_.size();
   std::vector<Complex> matrix(n * n, 0.0);
-  // The rows of one panel's three corners, [column][corner]: next to each other until they are
-  // complete.
+  // The rows of one panel's three corners, [column][corner], are stored next to each other until
+  // they are complete.
   std::vector<std::array<Complex, 3>> rows(n);
   PanelPairs pairs;
   PanelPairs::Integrals there, back;
@@ -117,7 +117,7 @@ std::vector<Complex> ExteriorField::matrix(double k) const {
       const std::size_t last = std::min(first + PanelPairs::kSize, count);
       integrate_pairs(t, first, last, k, close, pairs);
       pairs.to_galerkin(p, arrays_, first, last - first, k, there, back);
-      if (first == t) // the panel with itself: one entry, and its share of -1/2
+      if (first == t) // the panel with itself has one entry and adds its share of -1/2
         for (std::size_t ab = 0; ab < 9; ++ab) {
           there.im[ab][0] -= k * p.area / (ab % 4 == 0 ? 12 : 24);
           back.re[ab][0] = back.im[ab][0] = 0;

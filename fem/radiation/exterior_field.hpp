@@ -12,8 +12,8 @@ using Complex = std::complex<double>;
 ///
 ///   p(x) = ∫ mu(y) (dG/dn_y + eta G) dS,   G = exp(-j k R)/(4 pi R),   eta = j k,
 ///
-/// a combined layer (Brakhage & Werner 1965), which has one solution at every frequency: neither
-/// of its layers alone has at the resonances of the enclosed space. mu is continuous and linear on
+/// a combined layer (Brakhage & Werner 1965), which has one solution at every frequency. Each of
+/// its layers alone fails at the resonances of the enclosed space. mu is continuous and linear on
 /// the triangles and satisfies Galerkin's equations
 ///
 ///   <H mu, phi_i> + eta <(D' - 1/2) mu, phi_i> = -j omega rho <v_n, phi_i>,
@@ -28,16 +28,16 @@ public:
   [[nodiscard]] std::size_t unknowns() const noexcept { return skin_.vertex.size(); }
   [[nodiscard]] const AcousticSkin& skin() const noexcept { return skin_; }
   [[nodiscard]] const std::vector<Panel>& panels() const noexcept { return panels_; }
-  /// Bytes of one solution's matrix.
+  /// Memory of one solution's matrix, bytes.
   [[nodiscard]] double memory_bytes() const noexcept;
 
   /// `flow`: columns of ∫ v_n phi_i dS, m^3/s. Returns the columns of mu at wavenumber `k`, 1/m.
-  /// Refuses when the matrix is singular.
+  /// Refuses a singular matrix.
   [[nodiscard]] std::vector<Complex> solve(double k, std::span<const double> flow,
                                            std::size_t columns, double air_density,
                                            double sound_speed) const;
 
-  /// Pressure at a point outside, farther off than a triangle's size.
+  /// Pressure at a point outside that is farther away than a triangle's size.
   [[nodiscard]] Complex pressure(double k, std::span<const Complex> mu, const Vec3& x) const;
 
 private:
@@ -55,8 +55,8 @@ private:
 
   AcousticSkin skin_;
   std::vector<Panel> panels_;
-  PanelArrays arrays_{{}};                    ///< the same panels
-  std::vector<std::vector<Neighbours>> near_; ///< by first panel, second ascending
+  PanelArrays arrays_{{}};                    ///< the same panels as arrays
+  std::vector<std::vector<Neighbours>> near_; ///< indexed by first panel, ascending by second
 };
 
 } // namespace tactus::fem

@@ -12,10 +12,9 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kSameFrequency = 1e-3;
-constexpr double kTailPowerShare =
-    1e-6; // fraction of the power at the reference sphere in the truncated tail
+constexpr double kTailPowerShare = 1e-6; // truncated fraction of the power at the reference sphere
 
-/// Vertices of the outer skin as mesh nodes: outer_skin keeps the order of surface_of.
+/// Vertices of the outer skin as mesh nodes: outer_skin() keeps the order of surface_of().
 std::vector<Vec3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
                          std::span<const int> node) {
   std::vector<Vec3> v;
@@ -46,7 +45,8 @@ double squared_normal_velocity(const AcousticSkin& skin, std::span<const Vec3> v
   return sum;
 }
 
-/// The lowest degree that truncates only a negligible part of the field on the reference sphere.
+/// The lowest degree up to which truncation removes only a negligible part of the field on the
+/// reference sphere.
 std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   double all = 0;
   for (const Complex& x : c)
@@ -83,7 +83,7 @@ struct AcousticModel {
       return std::span(coefficients).subspan(mode * terms, terms);
     }
   };
-  /// Columns of flow of `count` modes, m^3/s.
+  /// The flows of `count` modes as columns, m^3/s.
   [[nodiscard]] std::vector<double> flow(std::size_t first, std::size_t count) const {
     const std::size_t n = field->unknowns();
     std::vector<double> columns(n * count);
@@ -103,7 +103,7 @@ struct AcousticModel {
   }
 };
 
-/// Waves of each mode at several frequencies (or ratios), and the degree that each mode needs.
+/// The waves of each mode at several frequencies or ratios, and the degree that each mode needs.
 struct FoundWaves {
   explicit FoundWaves(std::size_t modes) : coefficients(modes), degree(modes, 0) {}
   std::vector<std::vector<std::vector<Complex>>> coefficients; ///< [mode][frequency]
@@ -113,7 +113,8 @@ struct FoundWaves {
     degree[mode] = std::max(degree[mode], useful_degree(own, highest));
     coefficients[mode].emplace_back(own.begin(), own.end());
   }
-  /// Writes the arrays of a table, max_degree, offset and coefficients, for `frequencies` each.
+  /// Writes the arrays max_degree, offset and coefficients of a table, for `frequencies`
+  /// frequencies per mode.
   template <class Arrays> void pack(std::size_t frequencies, Arrays& out) const {
     out.offset.push_back(0);
     for (const std::size_t l : degree) {
@@ -153,7 +154,8 @@ void set_reference_sphere(AcousticModel& model) {
     model.reference_radius = std::max(model.reference_radius, length(x - model.centre));
 }
 
-/// Coarsens the skin and prepares its boundary elements. Refuses what would not fit into memory.
+/// Coarsens the skin and prepares its boundary elements. Refuses boundary elements that would not
+/// fit into memory.
 AcousticModel acoustic_model(const Mesh& mesh, const Modes& modes,
                              const RadiationSettings& settings, ModeRadiation& out) {
   const auto stage = [&](const char* name) {
@@ -237,7 +239,8 @@ void add_power(const AcousticModel& model, const FoundWaves& found, ModeRadiatio
   for (std::size_t k = 0; k < model.modes.frequency_hz.size(); ++k) {
     const double wavenumber = 2 * std::numbers::pi * model.modes.frequency_hz[k] *
                               settings.ratios[own] / settings.sound_speed;
-    // Energy of a mode of unit velocity amplitude and unit mass is 1/2 J: alpha = W/(2 E) = W.
+    // The energy of a mode of unit velocity amplitude and unit mass is 1/2 J, so alpha = W/(2 E) =
+    // W.
     const double power =
         radiated_power(found.coefficients[k][own], wavenumber, model.reference_radius,
                        settings.air_density, settings.sound_speed);
@@ -249,7 +252,7 @@ void add_power(const AcousticModel& model, const FoundWaves& found, ModeRadiatio
   }
 }
 
-/// All modes at once at each frequency: they share its matrix.
+/// Solves for all modes at once at each frequency, since they share its matrix.
 ModeRadiation::Band radiate_band(const AcousticModel& model) {
   const RadiationSettings& settings = model.settings;
   ModeRadiation::Band band;
@@ -274,7 +277,7 @@ ModeRadiation::Band radiate_band(const AcousticModel& model) {
 } // namespace
 
 std::vector<double> band_frequencies(double radius, double limit_hz, double sound_speed) {
-  const double hz = sound_speed / (2 * std::numbers::pi * radius); // of k a = 1
+  const double hz = sound_speed / (2 * std::numbers::pi * radius); // frequency of k a = 1
   const double last = limit_hz / hz;
   const double step = std::max(.5, last / 60);
   std::vector<double> frequencies;

@@ -29,8 +29,9 @@ StaticIntegrals static_integrals(const Panel& panel, const Vec3& x) {
     const double t = dot(a - foot, out), s0 = dot(a - foot, along), s1 = dot(b - foot, along);
     const double r0 = length(a - x), r1 = length(b - x), q = t * t + height * height;
     double log = 0, turn = 0;
-    if (q > tiny * tiny) { // else x lies on the edge's line, where both count with weight zero
-      // The form without cancellation: (r1 + s1)(r1 - s1) = q.
+    if (q > tiny * tiny) { // otherwise x lies on the edge's line, and both integrals have weight
+                           // zero
+      // Uses the form without cancellation, since (r1 + s1)(r1 - s1) = q.
       const double top = s1 >= 0 ? r1 + s1 : q / (r1 - s1);
       const double low = s0 >= 0 ? r0 + s0 : q / (r0 - s0);
       log = std::log(top / low);

@@ -11,8 +11,8 @@ namespace {
 
 using Lane = PanelPairs::Lane;
 
-/// From values at three points of both panels to hat functions: kHatAtPoint, which is 1/6
-/// everywhere and 1/2 more on its diagonal, from the left and from the right.
+/// Converts values at three points of both panels to hat functions. Multiplies by kHatAtPoint,
+/// which is 1/6 everywhere plus 1/2 on its diagonal, from the left and from the right.
 TACTUS_VECTOR_CLONES void to_hat_functions(std::array<Lane, 9>& m, std::size_t count) {
   for (std::size_t u = 0; u < count; ++u) {
     std::array<double, 3> row, column;
@@ -31,12 +31,13 @@ void copy_lane(const std::vector<double>& of, std::size_t first, std::size_t cou
   std::copy_n(of.begin() + static_cast<std::ptrdiff_t>(first), count, lane.begin());
 }
 
-/// Arrays of panels: their areas, normals, and their points of one index.
+/// Arrays of panels: areas, normals, and the points with one index.
 struct Others {
   Lane area, nx, ny, nz, px, py, pz, close;
 };
 
-/// The integrands at one point of a panel and one of each other, times the weights.
+/// Computes the integrands at one point of a panel and one point of each other panel, times the
+/// weights.
 TACTUS_VECTOR_CLONES void evaluate_pairs(const Others& q, std::size_t count, const Vec3& from,
                                          const Vec3& n, double weight, double k, std::size_t at,
                                          PanelPairs& out) {
@@ -100,7 +101,7 @@ TACTUS_VECTOR_CLONES void add_up(const std::array<Lane, 9>& lanes, std::size_t c
   }
 }
 
-/// scale times the dot products of a vector with each of some.
+/// Computes scale times the dot products of one vector with several others.
 TACTUS_VECTOR_CLONES void dots(const Vec3& with, const double* x, const double* y, const double* z,
                                double scale, std::size_t count, Lane& out) {
   for (std::size_t u = 0; u < count; ++u)
@@ -125,7 +126,8 @@ PanelArrays::PanelArrays(std::span<const Panel> panels) {
 
 void PanelPairs::integrate(const Panel& p, const PanelArrays& others, std::size_t first,
                            std::size_t count, double k) {
-  const double weight = p.area / (36 * std::numbers::pi); // of 1/(4 pi) and the points' thirds
+  const double weight = p.area / (36 * std::numbers::pi); // contains 1/(4 pi) and the factor 1/3 of
+                                                          // both points
   Others q;
   q.close = near;
   copy_lane(others.area, first, count, q.area);

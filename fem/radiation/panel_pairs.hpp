@@ -6,11 +6,11 @@
 
 namespace tactus::fem {
 
-/// cos x and sin x for 0 <= x < 1e6, absolute error below 2e-15. Without branches or calls: a
-/// compiler vectorises loops over it, which it cannot do with the C library's.
+/// cos x and sin x for 0 <= x < 1e6, absolute error below 2e-15. It has no branches or calls, so a
+/// compiler vectorises loops over it, unlike loops over the C library's functions.
 inline void cosine_and_sine(double x, double& cosine, double& sine) noexcept {
-  constexpr double kToNearest = 6755399441055744.0; // 1.5 2^52: adding it rounds to an integer
-  constexpr double kTurnHigh = 6.2831853069365025;  // 2 pi: its upper 32 bits, and the rest
+  constexpr double kToNearest = 6755399441055744.0; // 1.5 2^52; adding it rounds to an integer
+  constexpr double kTurnHigh = 6.2831853069365025;  // upper 32 bits of 2 pi, and the rest
   constexpr double kTurnLow = 2.430840202602477e-10;
   const double turns = (x * .15915494309189535 + kToNearest) - kToNearest;
   const double h = .25 * ((x - turns * kTurnHigh) - turns * kTurnLow), hh = h * h;
@@ -26,7 +26,7 @@ inline void cosine_and_sine(double x, double& cosine, double& sine) noexcept {
   cosine = 1 - 2 * s2 * s2;
 }
 
-/// Panels as one array a component, for loops over many of them.
+/// Panels as one array per component, for loops over many panels.
 struct PanelArrays {
   using Vectors = std::array<std::vector<double>, 3>; ///< [axis][panel]
   std::array<Vectors, 3> point, curl;
@@ -43,16 +43,17 @@ struct PanelPairs {
   struct Integrals {
     std::array<Lane, 9> re, im; ///< [3 a + b]
   };
-  /// ∫∫ phi_a G phi_b dS dS', and with dG/dn of the first panel and of the second. Three points on
-  /// each panel; G less 1/(4 pi R) where `near` is 1, G where it is 0.
+  /// ∫∫ phi_a G phi_b dS dS', and with dG/dn of the first panel and of the second. Each panel has
+  /// three points. The integrand is G minus 1/(4 pi R) where `near` is 1, and G where it is 0.
   Integrals value, slope, slope_back;
   Lane near;
 
   /// Fills the integrals with the panels first ... first + count - 1 at wavenumber k, 1/m.
   void integrate(const Panel&, const PanelArrays&, std::size_t first, std::size_t count, double k);
 
-  /// What the pairs add to Galerkin's matrix (ExteriorField), from the integrals: `there` in the
-  /// row of a and the column of b, `back` in the row of b and the column of a.
+  /// Computes from the integrals the contributions of the pairs to Galerkin's matrix
+  /// (ExteriorField). `there` is in the row of a and the column of b, `back` in the row of b and
+  /// the column of a.
   void to_galerkin(const Panel&, const PanelArrays&, std::size_t first, std::size_t count, double k,
                    Integrals& there, Integrals& back) const;
 };

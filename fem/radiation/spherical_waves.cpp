@@ -10,14 +10,14 @@
 namespace tactus::fem {
 namespace {
 
-constexpr std::size_t kVector = 8; // numbers of the widest vector
+constexpr std::size_t kVector = 8; // number of doubles in the widest vector
 
 constexpr std::size_t whole_vectors(std::size_t count) {
   return (count + kVector - 1) / kVector * kVector;
 }
 
-/// A row of Legendre functions and of psi from the two rows before it. `count` is a multiple of the
-/// vector width.
+/// Computes a row of Legendre functions and of psi from the two previous rows. `count` is a
+/// multiple of the vector width.
 TACTUS_VECTOR_CLONES void fill_row(std::size_t count, double cosine, double bessel,
                                    const double* __restrict along, const double* __restrict inverse,
                                    const double* __restrict turn, const double* __restrict turn_j,
@@ -59,7 +59,7 @@ TACTUS_VECTOR_CLONES void fill_slopes(std::size_t count, const SlopeRows& rows, 
   }
 }
 
-/// Adds what three points of a panel hold to the hat functions of its corners: kHatAtPoint.
+/// Adds the values at three points of a panel to the hat functions of its corners, by kHatAtPoint.
 TACTUS_VECTOR_CLONES void add_to_hats(std::size_t count, double weight, const double* __restrict a,
                                       const double* __restrict b, const double* __restrict c,
                                       double* __restrict to_a, double* __restrict to_b,
@@ -73,8 +73,8 @@ TACTUS_VECTOR_CLONES void add_to_hats(std::size_t count, double weight, const do
   }
 }
 
-/// Sorts the panels' numbers into groups of at most `most` that lie close together: halves across
-/// the longest side of the box around their middles.
+/// Sorts the panels' numbers into groups of at most `most` that lie close together: it halves
+/// groups across the longest side of the box around their middles.
 void group_panels(const ExteriorField& field, std::span<std::size_t> panels, std::size_t most,
                   std::vector<std::span<const std::size_t>>& groups) {
   if (panels.size() <= most) {
@@ -122,7 +122,7 @@ std::vector<double> spherical_bessel(std::size_t highest, double x) {
         value *= 1e-200;
     }
   }
-  // Scaled by whichever of j_0 and j_1 is not near a zero.
+  // Scales by j_0 or j_1, whichever is not near a zero.
   const double j0 = std::sin(x) / x, j1 = (std::sin(x) / x - std::cos(x)) / x;
   const double scale = highest == 0 || std::abs(j0) > std::abs(j1) ? j0 / j[0] : j1 / j[1];
   for (double& value : j)
@@ -228,7 +228,7 @@ public:
       values.resize(4 * waves.size());
   }
 
-  /// Adds a group of panels: the waves of unit layers at its vertices, and then a product of
+  /// Adds a group of panels: computes the waves of unit layers at its vertices, then multiplies
   /// matrices.
   void add(std::span<const std::size_t> panels, std::span<const Complex> mu) {
     vertices_.clear();
@@ -282,7 +282,7 @@ private:
   const ExteriorField& field_;
   double k_;
   Vec3 centre_;
-  std::vector<std::size_t> local_, vertices_; ///< a vertex's number in the group, and back
+  std::vector<std::size_t> local_, vertices_; ///< a vertex's number in the group, and the inverse
   std::array<std::vector<double>, 3> at_point_;
   std::vector<double> source_, layers_;
 };
@@ -291,7 +291,7 @@ private:
 
 std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<const Complex> mu,
                                 std::size_t highest, const Vec3& centre, double reference_radius) {
-  constexpr std::size_t kPanelsAtOnce = 64; // their waves stay in the processor's cache
+  constexpr std::size_t kPanelsAtOnce = 64; // so few that their waves stay in the processor's cache
   const std::size_t terms = (highest + 1) * (highest + 1), columns = mu.size() / field.unknowns();
   std::vector<std::size_t> panels(field.panels().size());
   std::iota(panels.begin(), panels.end(), std::size_t{0});
@@ -311,7 +311,8 @@ std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<
         const auto sum = [&](std::size_t plane) {
           return Complex(re[plane * size + at], im[plane * size + at]);
         };
-        // From conj(slope) + j k conj(psi); for -m times (-1)^m without the conjugates.
+        // From conj(slope) + j k conj(psi). For -m it is multiplied by (-1)^m, without the
+        // conjugates.
         const Complex j(0, 1), even = sum(2) + j * k * sum(0), odd = k * sum(1) - j * sum(3);
         Complex* to = &c[column * terms + l * l + l];
         const Complex scale = Complex(0, -k) * h[l];

@@ -31,7 +31,7 @@ public:
   void evaluate(double k, const Vec3& x, const Vec3& n, const Planes&);
 
 private:
-  /// psi of one degree, by m from -1 on.
+  /// psi of one degree, indexed by m from -1 on.
   struct Row {
     std::vector<double> legendre, re, im;
   };
@@ -39,17 +39,17 @@ private:
   void write(std::size_t l, double k, const Vec3& n, const Planes&) const;
   [[nodiscard]] std::size_t at(std::size_t l) const noexcept { return l * width_ + kBefore; }
 
-  static constexpr std::size_t kBefore = 8; ///< numbers of a row before m = 0; a whole vector
+  static constexpr std::size_t kBefore = 8; ///< numbers in a row before m = 0, one whole vector
   std::size_t highest_, width_;
   std::vector<std::size_t> start_;
   // By degree and m: A_lm, 1/A_lm, B_lm, B_l,-m; zero where they are not used.
   std::vector<double> along_, inverse_, across_, across_back_;
   std::vector<double> turn_, turn_j_; ///< exp(j m azimuth)
-  std::array<Row, 4> rows_;           ///< of the last degrees, by degree modulo 4
+  std::array<Row, 4> rows_;           ///< rows of the last degrees, indexed by degree modulo 4
 };
 
 /// Outgoing waves about `centre` of the field of each column of mu (unknowns() numbers a column):
-///   p = sum c_lm h_l(k r)/h_l(k r_ref) Y_lm for r beyond the surface; exact term by term, from
+///   p = sum c_lm h_l(k r)/h_l(k r_ref) Y_lm for r beyond the surface. Each term is exact, from
 ///   G = -j k sum h_l(k r) j_l(k r') Y_lm Y'*_lm.
 [[nodiscard]] std::vector<Complex> multipoles(const ExteriorField&, double k,
                                               std::span<const Complex> mu, std::size_t highest,

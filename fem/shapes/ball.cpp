@@ -9,10 +9,10 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kCore = .5;  ///< half the inner cube's side, of the radius
-constexpr double kBulge = .5; ///< of the inner cube's faces: 0 flat, 1 a sphere
+constexpr double kCore = .5;  ///< half the inner cube's side, relative to the radius
+constexpr double kBulge = .5; ///< bulge of the inner cube's faces: 0 flat, 1 a sphere
 
-/// Intervals along half the cube's side, and from there to the sphere.
+/// Numbers of intervals along half the cube's side, and from there to the sphere.
 std::array<double, 2> ball_cells(double radius, double h, int at_least, const SweepGrid* given) {
   if (given)
     return {static_cast<double>(given->line[0].size() - 1),
@@ -23,8 +23,9 @@ std::array<double, 2> ball_cells(double radius, double h, int at_least, const Sw
   return {cells(kCore * radius), cells((1 - kCore) * radius)};
 }
 
-/// The cube [-1, 1]^3 onto the unit ball, cubes about the middle onto smooth closed surfaces: x' =
-/// x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3), cyclically. Its faces lie on the sphere.
+/// Maps the cube [-1, 1]^3 onto the unit ball, and cubes about the middle onto smooth closed
+/// surfaces: x' = x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3), cyclically. The cube's faces map onto the
+/// sphere.
 Vec3 onto_ball(const Vec3& p) noexcept {
   const Vec3 q{p.x * p.x, p.y * p.y, p.z * p.z};
   return {p.x * std::sqrt(1 - q.y / 2 - q.z / 2 + q.y * q.z / 3),
@@ -38,7 +39,7 @@ Vec3 in_core(const Vec3& p) noexcept { return kCore * ((1 - kBulge) * p + kBulge
 
 MeshSize size_of_ball(double radius, double h, int at_least, const SweepGrid* given) {
   const auto [c, a] = ball_cells(radius, h, at_least, given);
-  const double m = 2 * c; // intervals along the cube's side
+  const double m = 2 * c; // number of intervals along the cube's side
   const double skin_corners = 6 * m * m + 2, skin_edges = 12 * m * m, skin_faces = 6 * m * m;
   const double corners = (m + 1) * (m + 1) * (m + 1) + a * skin_corners;
   const double edges = 3 * m * (m + 1) * (m + 1) + a * (skin_corners + skin_edges);
@@ -64,7 +65,7 @@ SweepGrid ball_grid(double radius, double h, int at_least) {
   const int cells = static_cast<int>(c), out = static_cast<int>(a);
   grid.line = {divide({0, 1, 1. / cells, cells}), divide({0, 1, 1. / out, out}), {0, 1}};
   grid.kept = {{{0, 1}, {0, 1}, {0, 1}}};
-  // d ln N / d ln c and d ln N / d ln a where c = a; the third direction is of no use.
+  // d ln N / d ln c and d ln N / d ln a where c = a; the third direction is unused.
   grid.power = {2.25, .75, 1};
   return grid;
 }
@@ -112,7 +113,7 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
       for (std::size_t k = 0; k + 1 < out.size(); ++k)
         for (std::size_t j = 0; j < cells; ++j)
           for (std::size_t i = 0; i < cells; ++i)
-            // Right-handed: first and second direction turn about the outward one.
+            // Right-handed, since the first and second direction turn about the outward one.
             add({mirrored(i), mirrored(j), half + static_cast<int>(k)}, [&](const Vec3& r) {
               Vec3 face;
               face[axis] = side;

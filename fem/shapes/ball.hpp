@@ -16,7 +16,7 @@ namespace tactus::fem {
 ///     '--------'
 ///
 /// `h` is the size of elements, `at_least` the number of intervals in each direction; `grid` has
-/// the lines to take instead. Sizes in m.
+/// the lines to use instead. Sizes in m.
 [[nodiscard]] SweptBody make_ball(double radius, double h, int at_least,
                                   const SweepGrid* grid = nullptr);
 /// The size of the mesh of make_ball(): elements, nodes and node pairs are exact.

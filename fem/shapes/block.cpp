@@ -3,7 +3,7 @@
 namespace tactus::fem {
 
 Mesh block(std::span<const double> xs, std::span<const double> ys, std::span<const double> zs) {
-  // A lattice twice as fine; hex20 has no node where two or three indices are odd.
+  // Uses a lattice twice as fine; hex20 has no node where two or three indices are odd.
   const std::size_t nx = 2 * xs.size() - 1, ny = 2 * ys.size() - 1, nz = 2 * zs.size() - 1;
   const auto coordinate = [](std::span<const double> at, std::size_t i) {
     return i % 2 == 0 ? at[i / 2] : .5 * (at[i / 2] + at[i / 2 + 1]);

@@ -15,7 +15,7 @@ std::vector<double> factors(const SweepGrid& grid, std::span<const double> error
   std::vector<double> factor(error.size(), 1e3);
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t first = grid.first_interval(d), end = first + grid.interval_count(d);
-    // Intervals of a uniform direction count as one, which has them all.
+    // A uniform direction counts as one interval, which stands for all.
     const double each = grid.uniform[d] > 0 ? static_cast<double>(grid.line[d].size() - 1) : 1;
     double number = each * static_cast<double>(end - first);
     for (int round = 0; round < 8; ++round) {
@@ -42,8 +42,9 @@ void smooth(std::span<const double> line, std::span<double> factor) {
     factor[i] = std::min(factor[i], kGradation * size(i + 1) * factor[i + 1] / size(i));
 }
 
-/// Splits singular intervals geometrically, by 3 a step, from the ends where the singular line may
-/// lie: one that a singular neighbour shares, or the body's own. Equal parts would waste elements.
+/// Splits singular intervals geometrically, with a factor of 3 per step, from the ends where the
+/// singular line may be. Such an end is shared by a singular neighbour or is the body's own end.
+/// Equal parts would waste elements.
 void grade_singular(std::vector<double>& line, std::vector<double>& factor,
                     std::span<const double> order) {
   std::vector<double> lines{line[0]}, factors;
@@ -70,13 +71,14 @@ void grade_singular(std::vector<double>& line, std::vector<double>& factor,
   factor = std::move(factors);
 }
 
-/// New lines with the density 1 / (factor size) of the old intervals, the kept ones among them.
+/// Makes new lines with the density 1 / (factor size) of the old intervals, and includes the kept
+/// lines.
 std::vector<double> divided(const std::vector<double>& line, std::span<const double> kept,
                             std::span<const double> factor) {
   const double near = 1e-9 * (line.back() - line.front());
   std::vector<double> out{line.front()};
   for (std::size_t k = 0, i = 0; k + 1 < kept.size(); ++k) {
-    std::vector<double> position{line[i]}, measure{0}; // elements up to each old line
+    std::vector<double> position{line[i]}, measure{0}; // number of elements up to each old line
     for (; i + 1 < line.size() && line[i + 1] <= kept[k + 1] + near; ++i) {
       position.push_back(line[i + 1]);
       measure.push_back(measure.back() + 1 / factor[i]);

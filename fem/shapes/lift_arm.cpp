@@ -33,7 +33,7 @@ Vec3 on(const Circle& c, double angle) {
 
 double angle_of(const Vec3& v) { return std::atan2(v.y, v.x); }
 
-/// From angle `from` by `sweep` radians, counter-clockwise where positive.
+/// Runs from angle `from` by `sweep` radians, counter-clockwise if positive.
 struct Arc {
   Circle circle;
   double from = 0, sweep = 0;
@@ -59,9 +59,10 @@ double perimeter(const Outline& outline) {
   return sum;
 }
 
-/// The circle through `point` that touches `a` and `b`: from within the plate's upper side (`side`
-/// 1: they lie inside it) or lower side (-1: outside). |P - A| = R - side a, |P - B| = R - side b,
-/// |P - M| = R: two differences are linear in P and R, the third equation then is quadratic in R.
+/// The circle through `point` that touches `a` and `b`. With `side` 1, the plate's upper side, it
+/// contains both; with -1, the lower side, both are outside. |P - A| = R - side a, |P - B| = R -
+/// side b, |P - M| = R: two differences are linear in P and R, so that the third equation is
+/// quadratic in R.
 Circle touching(const Circle& a, const Circle& b, const Vec3& point, double side) {
   const Vec3 u = a.centre - point, v = b.centre - point;
   // With P relative to M: u.P = (u.u - a^2) / 2 + side a R
@@ -83,13 +84,13 @@ Circle touching(const Circle& a, const Circle& b, const Vec3& point, double side
 }
 
 /// The outline of the plate and the circles it consists of, in the plane x y, as the dimensions
-/// define them; m and rad.
+/// define them, in m and rad.
 struct Plan {
   Circle centreline, upper, lower;
   Circle hub_end, rod_end;
   std::array<Pin, 3> pins{};
   std::array<double, 3> boss_radius{};
-  double hub_angle = 0, rod_angle = 0; ///< of the centreline's ends
+  double hub_angle = 0, rod_angle = 0; ///< angles of the centreline's ends
   Outline outline;
   std::vector<Outline> slots;
 };
@@ -112,7 +113,7 @@ Outline slot_between(const Circle& centreline, double width, double first, doubl
 void add_slots(Plan& plan, const LiftArm& arm) {
   const double lift_angle = plan.hub_angle + arm.lift_position * (plan.rod_angle - plan.hub_angle);
   const std::array<double, 3> at{plan.hub_angle, lift_angle, plan.rod_angle};
-  // The angle from a pin to the middle of the slot's rounded end.
+  // Returns the angle from a pin to the middle of the slot's rounded end.
   const auto beside = [&](std::size_t k) {
     const double chord = plan.boss_radius[k] + arm.web + arm.slot_width / 2;
     return 2 * std::asin(std::min(1., chord / (2 * plan.centreline.radius)));
@@ -138,7 +139,7 @@ void add_slots(Plan& plan, const LiftArm& arm) {
   }
 }
 
-/// Refuses impossible dimensions.
+/// Refuses dimensions that are not possible.
 void check_dimensions(const LiftArm& arm) {
   const std::array<std::pair<const char*, double>, 8> lengths{{{"length", arm.length},
                                                                {"rise", arm.rise},
@@ -230,9 +231,9 @@ Plan plan_of(const LiftArm& arm) {
   return plan;
 }
 
-/// Makes a face of the CAD kernel (mm) of an outline in the plane z (m); returns its tag. The
-/// kernel draws the shorter of the two arcs between two points, so arcs are cut into pieces of less
-/// than half a turn.
+/// Makes a face of the CAD kernel (mm) from an outline in the plane z (m) and returns the face's
+/// tag. The kernel draws the shorter of the two arcs between two points, so arcs are divided into
+/// pieces of less than half a turn.
 int add_face(const Outline& outline, double z) {
   using namespace gmsh::model::occ;
   constexpr double kUnit = 1 / kMillimetre;

@@ -74,7 +74,7 @@ std::vector<double> divide(const Division& line) {
 
 namespace {
 
-/// The breaks that a section is graded into, and how each interval is cut.
+/// The breaks towards which a section is graded, and the division of each interval.
 struct Cuts {
   explicit Cuts(const Rectangles& s) : shape(s), concave_r(s.r.size()), concave_z(s.z.size()) {
     for (std::size_t i = 1; i + 1 < s.r.size() && s.grade; ++i)
@@ -178,7 +178,8 @@ SectionSize size_of(const Rectangles& shape, const SweepGrid* given) {
         given ? given_cells(0, shape.r[i], shape.r[i + 1]) : cuts.along_r(i, count_divisions);
   for (std::size_t j = 0; j < rows; ++j)
     up[j] = given ? given_cells(1, shape.z[j], shape.z[j + 1]) : cuts.along_z(j, count_divisions);
-  // Blocks are quads' interiors, breaks the lines between them; index -1 wraps and is empty.
+  // Blocks are the interiors of quads, and breaks are the lines between blocks. Index -1 wraps
+  // around and is empty.
   SectionSize size;
   const bool axis = shape.r[0] == 0;
   for (std::size_t i = 0; i <= columns; ++i)
@@ -223,7 +224,7 @@ Section shell(const Shell& s, const SweepGrid* given) {
     const double dr = b.r - a.r, dz = b.z - a.z, size = std::hypot(dr, dz);
     const double across = (v - .5) * s.thickness(u);
     const bool on_axis = std::abs(p.r) < 1e-9 * size / kStep;
-    // The normal to the left of the curve; on the axis it is the axis itself.
+    // The normal to the left of the curve; on the axis the normal is the axis itself.
     return on_axis ? Meridian{0, p.z + std::copysign(across, across * dr)}
                    : Meridian{p.r - across * dz / size, p.z + across * dr / size};
   };
@@ -293,7 +294,7 @@ Mesh revolve(const Section& section, int sectors) {
                                         put(q[7], a), put(q[5], a), put(q[5], b)};
         mesh.add(Shape::wedge15, nodes);
         mesh.elements.back().interval = {along_first, around, along_second};
-      } else { // (r, z, angle) is left-handed: the corners run backwards
+      } else { // (r, z, angle) is left-handed, so the corners run backwards
         const std::array<int, 20> nodes{put(q[0], a), put(q[3], a), put(q[2], a), put(q[1], a),
                                         put(q[0], b), put(q[3], b), put(q[2], b), put(q[1], b),
                                         put(q[7], a), put(q[6], a), put(q[5], a), put(q[4], a),

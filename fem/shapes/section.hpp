@@ -18,7 +18,7 @@ struct Meridian {
 struct Section {
   std::vector<std::array<Meridian, 8>> quads;
   std::vector<std::array<int, 2>> interval; ///< of each quad along its first and second side
-  SweepGrid grid;                           ///< without the direction around the axis
+  SweepGrid grid;                           ///< grid without the direction around the axis
 
   /// Adds the image of the unit square, divided at the given coordinates. The map must preserve the
   /// orientation. `number(i, j)` returns the grid's intervals that a cell spans along u and v.
@@ -31,17 +31,17 @@ struct Section {
 struct Ends {
   bool low = false, high = false;
 };
-/// How a line from a to b is divided: into intervals about `h` long. Towards a concave end they
-/// shrink geometrically, by `ratio` a step, down to `smallest`.
+/// The division of a line from a to b into intervals about `h` long. Towards a concave end the
+/// intervals shrink geometrically, by `ratio` per step, down to `smallest`.
 struct Division {
   double a, b, h;
-  int min_divisions; ///< without concave ends
+  int min_divisions; ///< applies without concave ends
   Ends concave{};
   double smallest = 0, ratio = 2;
 };
 /// The coordinates of the ends of all intervals, from a to b.
 [[nodiscard]] std::vector<double> divide(const Division&);
-/// The number of intervals that `divide` makes. Needs next to no memory, however small `h` is.
+/// The number of intervals that `divide` makes. It needs almost no memory, however small `h` is.
 [[nodiscard]] double count_divisions(const Division&);
 
 /// Counts of the parts of a section's mesh. Corners and edges on the axis are counted separately,
@@ -49,23 +49,23 @@ struct Division {
 struct SectionSize {
   double quads = 0, corners = 0, sides = 0;
   double outer_sides = 0;                                  ///< on the body's skin
-  double axis_quads = 0, axis_corners = 0, axis_sides = 0; ///< of the above
+  double axis_quads = 0, axis_corners = 0, axis_sides = 0; ///< the part of these on the axis
 };
 
 /// Rectangles between breaks in r and z where `solid(i, j)` is true. Lines through concave corners,
-/// where three of four neighbours are solid, are graded: there stress grows without bound and a
-/// uniform mesh converges at first order only.
+/// where three of four neighbours are solid, are graded, because stress grows without bound there
+/// and a uniform mesh converges only at first order.
 struct Rectangles {
   std::vector<double> r, z;
   std::vector<std::vector<bool>> solid; ///< [i][j]: between r[i], r[i+1] and z[j], z[j+1]
   std::vector<std::size_t> singular_r{},
-      singular_z{}; ///< further breaks to grade into: edges of supports
+      singular_z{}; ///< further breaks to grade towards, at edges of supports
   double h = 0;
   int min_divisions_r = 2, min_divisions_z = 2;
   bool grade = true;
-  double grading = 27; ///< size of the other intervals over the smallest
+  double grading = 27; ///< ratio of the other intervals to the smallest
 };
-/// `grid`: lines to take instead of those that follow from h.
+/// `grid`: lines to use instead of those that follow from h.
 [[nodiscard]] Section rectangles(const Rectangles&, const SweepGrid* grid = nullptr);
 [[nodiscard]] SectionSize size_of(const Rectangles&, const SweepGrid* grid = nullptr);
 
@@ -76,12 +76,12 @@ struct Shell {
   int along = 24, layers = 1;
 };
 [[nodiscard]] Section shell(const Shell&, const SweepGrid* grid = nullptr);
-/// The size of a shell section of `along` by `layers` quads. on_axis: which of its ends lie on the
+/// The size of a shell section of `along` by `layers` quads. on_axis: the ends that lie on the
 /// axis.
 [[nodiscard]] SectionSize size_of_shell(double along, double layers, Ends on_axis);
 
 /// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly
-/// on the body of revolution. Refuses a section that touches the axis with a corner alone.
+/// on the body of revolution. Refuses a section that touches the axis only with a corner.
 [[nodiscard]] Mesh revolve(const Section&, int sectors);
 
 } // namespace tactus::fem

@@ -29,14 +29,15 @@ double layers_of(const MeshChoice& choice, double default_value) {
   return choice.layers > 0 ? choice.layers : choice.sparse ? 1 : default_value;
 }
 
-/// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
-/// images.
+/// Number of sectors around the axis, with sides about h long. It is a multiple of four so that
+/// meshes are symmetric.
 double sectors_for(double radius, double h) {
   return std::max(16.0, 4 * std::ceil(2 * pi * radius / h / 4 - 1e-9));
 }
 
-/// The size of a revolved section's mesh. Node pairs by inclusion and exclusion: those of each
-/// element, minus those of faces shared by two, plus edges, minus corners.
+/// The size of a revolved section's mesh. Node pairs follow by inclusion and exclusion: the pairs
+/// of each element, minus those of faces shared by two elements, plus those of edges, minus those
+/// of corners.
 MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> section_cells) {
   const double inner_sides = s.sides - s.outer_sides - s.axis_sides;
   const double inner_corners = s.corners - s.outer_sides - s.axis_corners;
@@ -54,7 +55,7 @@ MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> sect
 
 ShapePlan planned(const MeshSize& size, std::function<SweptBody()> make) {
   return {size, [nodes = size.nodes, make = std::move(make)] {
-            if (!(nodes < 1e8)) // twenty an element are made before they are merged
+            if (!(nodes < 1e8)) // twenty per element are made before merging
               throw InputError(format("the mesh would have %.3g nodes, expected at most 1e8: use a "
                                       "larger --h",
                                       nodes));
@@ -78,12 +79,12 @@ double cells_of(const SweepGrid& grid, std::size_t direction) {
   return static_cast<double>(grid.line[direction].size() - 1);
 }
 
-/// Sectors around the axis, or those of a given grid.
+/// Number of sectors around the axis, or that of a given grid.
 double sectors_of(const MeshChoice& choice, double radius, double h) {
   return choice.grid ? cells_of(*choice.grid, 2) : sectors_for(radius, h);
 }
 
-/// A section turned about the axis.
+/// Turns a section about the axis.
 SweptBody turn(Section section, double number) {
   const int sectors = static_cast<int>(number);
   SweptBody body{revolve(section, sectors), std::move(section.grid)};
@@ -120,8 +121,9 @@ ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double
 }
 
 ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
-  // The swept layer follows the curve; its thickness needs one quadratic element where it is thin,
-  // but thin elements bend too stiffly unless they are short: twice as fine as solids.
+  // The swept layer follows the curve. Where it is thin, one quadratic element suffices across it.
+  // But thin elements bend too stiffly unless they are short, so shells are twice as fine as
+  // solids.
   const double h = choice.h > 0 ? choice.h : largest / 28;
   double arc = 0, radius = 0, thickest = 0, solid = 0, low = s.middle(0).z, high = low;
   constexpr int kSamples = 400;
@@ -189,7 +191,7 @@ ShapePlan tube_like(const char* label, double outer, double inner, double tall,
 ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
   const auto min_divisions = [&](double size) {
-    // Twisting bends a section's width: two elements would be a hundredth too stiff.
+    // Twisting bends a section's width; two elements would be one percent too stiff.
     const int across = choice.sparse ? 1 : choice.h > 0 ? 2 : 4;
     return size > thinnest ? across : static_cast<int>(layers_of(choice, 3));
   };
@@ -204,14 +206,14 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   const double edges =
       nx * (ny + 1) * (nz + 1) + (nx + 1) * ny * (nz + 1) + (nx + 1) * (ny + 1) * nz;
   size.nodes = corners + edges;
-  // Shared faces, edges and corners lie inside the box.
+  // The shared faces, edges and corners are inside the box.
   const double faces = (nx - 1) * ny * nz + nx * (ny - 1) * nz + nx * ny * (nz - 1);
   const double lines =
       nx * (ny - 1) * (nz - 1) + (nx - 1) * ny * (nz - 1) + (nx - 1) * (ny - 1) * nz;
   size.node_pairs = 210 * size.elements - 36 * faces + 6 * lines - (nx - 1) * (ny - 1) * (nz - 1);
   size.skin_triangles = 12 * (nx * ny + ny * nz + nz * nx);
   size.cells = {nx, ny, nz};
-  size.nodes_made = 2 * size.nodes; // entries of the lattice
+  size.nodes_made = 2 * size.nodes; // number of entries of the lattice
   size.volume = x * y * z;
   size.box = {x, y, z};
   return planned(size, [=, min_divisions_x = min_divisions(x), min_divisions_y = min_divisions(y),
@@ -331,7 +333,7 @@ const std::vector<ShapeEntry>& known_shapes() {
        {{"length", kRequired, "along x"},
         {"width", 0, "along y"},
         {"thickness", 0, "along z"},
-        {"diameter", 0, "of a round bar"}}},
+        {"diameter", 0, "diameter of a round bar"}}},
       {"tube",
        "an open tube",
        {{"outer_diameter", kRequired, ""},
@@ -343,9 +345,9 @@ const std::vector<ShapeEntry>& known_shapes() {
        {{"diameter", kRequired, "outside"}, {"thickness", kRequired, ""}}},
       {"bowl",
        "an open spherical shell",
-       {{"diameter", kRequired, "of the sphere, outside"},
+       {{"diameter", kRequired, "outer diameter of the sphere"},
         {"thickness", kRequired, ""},
-        {"angle", 90, "from the bottom to the rim; 90 is a hemisphere", false}}},
+        {"angle", 90, "angle from the bottom to the rim; 90 is a hemisphere", false}}},
       {"bell",
        "a shell of revolution from a file (--profile) of lines: radius height thickness",
        {}},

@@ -22,7 +22,8 @@ Spline::Spline(const std::vector<ProfilePoint>& points) {
     value_[2].push_back(p.thickness);
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    // Second derivatives from continuity of the first: a tridiagonal system, zero at both ends.
+    // The second derivatives follow from continuity of the first, by a tridiagonal system; they are
+    // zero at both ends.
     const auto& y = value_[c];
     std::vector<double> diagonal(n, 1.0), right(n, 0.0), upper(n, 0.0);
     for (std::size_t i = 1; i + 1 < n; ++i) {

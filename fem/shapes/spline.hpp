@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// A natural cubic spline through profile points, over the share of the chord length.
+/// A natural cubic spline through profile points, as a function of the share of the chord length.
 class Spline {
 public:
   explicit Spline(const std::vector<ProfilePoint>& points);

@@ -15,8 +15,7 @@ constexpr std::array<Point1D, 4> kGauss4{{{-.8611363115940526, .3478548451374539
                                           {.3399810435848563, .6521451548625461},
                                           {.8611363115940526, .3478548451374539}}};
 
-/// A face's shape functions are the element's, on the face: N and their slopes along the face's two
-/// directions.
+/// The element's shape functions on a face: N and their slopes along the face's two directions.
 struct FaceTable {
   struct At {
     std::array<double, 8> value{}, slope_u{}, slope_v{};
@@ -34,7 +33,7 @@ FaceTable tabulate(Shape shape, const Face& face) {
   };
   table.nodes = static_cast<std::size_t>(face.corners) * (is_linear(shape) ? 1 : 2);
   const bool triangle = face.corners == 3;
-  // Both kinds are parallelograms in reference coordinates: origin + u along + v across.
+  // Both kinds of face are origin + u along + v across in reference coordinates.
   const Vec3 along = corner(1) - corner(0);
   const Vec3 across = corner(triangle ? 2 : 3) - corner(0);
   const auto add = [&](double u, double v, double weight) {

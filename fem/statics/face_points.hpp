@@ -11,7 +11,7 @@ struct FacePoint {
 
 /// The quadrature points of a face (tri3, tri6, quad4, quad8), outward. 4x4 conical Gauss points on
 /// triangles (exact to degree 6: springs on curved tri6), 3x3 Gauss points on quadrilaterals. The
-/// span stands until the next call by the same thread.
+/// span is valid until the next call in the same thread.
 [[nodiscard]] std::span<const FacePoint> face_points(const Mesh&, const MeshFace&);
 
 /// Mesh nodes of a face: corners, then edge nodes.

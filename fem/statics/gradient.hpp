@@ -7,8 +7,8 @@ namespace tactus::fem {
 /// A 3 x 3 tensor, [row][column].
 using Tensor = std::array<std::array<double, 3>, 3>;
 
-/// The gradient of a field of nodal vectors, H_ij = sum_a u_a,i dN_a/dx_j; u as 3 numbers a node of
-/// the element.
+/// The gradient of a field of nodal vectors, H_ij = sum_a u_a,i dN_a/dx_j; u has 3 numbers per node
+/// of the element.
 [[nodiscard]] inline Tensor field_gradient(const PointGradients& at, std::span<const double> u,
                                            std::size_t nodes) noexcept {
   Tensor h{};
@@ -76,7 +76,7 @@ using Tensor = std::array<std::array<double, 3>, 3>;
 
 [[nodiscard]] inline double trace(const Tensor& a) noexcept { return a[0][0] + a[1][1] + a[2][2]; }
 
-/// Nodal vectors of an element out of a vector of all degrees of freedom.
+/// Nodal vectors of an element, taken from a vector of all degrees of freedom.
 using ElementField = std::array<double, 3 * kMaxNodes>;
 [[nodiscard]] inline ElementField gather(std::span<const double> u,
                                          std::span<const int> nodes) noexcept {

@@ -21,7 +21,8 @@ void add(std::vector<double>& f, std::size_t node, const Vec3& force) {
     f[3 * node + i] += force[static_cast<int>(i)];
 }
 
-/// f_a += integral of N_a traction(point) over the faces; traction gives N from an area vector.
+/// f_a += integral of N_a traction(point) over the faces; `traction` returns a force in N for an
+/// area vector.
 template <class Force>
 void add_over(const Mesh& mesh, std::span<const MeshFace> faces, std::vector<double>& f,
               Force&& force_at) {
@@ -35,9 +36,9 @@ void add_over(const Mesh& mesh, std::span<const MeshFace> faces, std::vector<dou
   }
 }
 
-/// e of a bolt's pressure p = max(0, -n . e): Newton on the integral of p (-n) dA = force. The
-/// integral is M(e) e with M = integral of n n' over the loaded half, and M is its derivative, so a
-/// step is e = M(e)^-1 force.
+/// e of a bolt's pressure p = max(0, -n . e): found by Newton's method from the integral of p (-n)
+/// dA = force. The integral is M(e) e with M = integral of n n' over the loaded half. M is also its
+/// derivative, so a step is e = M(e)^-1 force.
 Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& label) {
   const double size = length(bolt.axis), total = length(bolt.force_n);
   if (!(size > 0) || !std::isfinite(size))
@@ -63,7 +64,7 @@ Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& la
           vv += area * nv * nv;
         }
     const double determinant = uu * vv - uv * uv;
-    if (!(determinant > 1e-9 * whole * whole)) // the normals are along the axis, or parallel
+    if (!(determinant > 1e-9 * whole * whole)) // all normals are along the axis or parallel
       break;
     const Vec3 next = (total / determinant) * (vv * u - uv * v);
     const double change = length(next - e);

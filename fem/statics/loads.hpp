@@ -12,7 +12,7 @@ struct Traction {
   std::vector<MeshFace> faces;
   Vec3 traction_pa;
 };
-/// A total force spread over faces with an even traction, N: its sum is exact on any mesh.
+/// A total force, N, spread over faces with an even traction. Its sum is exact on any mesh.
 struct TotalForce {
   std::string name;
   std::vector<MeshFace> faces;
@@ -33,14 +33,14 @@ struct PointForce {
   int node = 0;
   Vec3 force_n;
 };
-/// The force of a bolt or pin, without friction, on the wall of a round hole, N. The wall feels the
-/// normal pressure p = max(0, -n . e): a cosine over the half that faces the force. e is found by
+/// The force of a bolt or pin, without friction, on the wall of a round hole, N. The pressure on
+/// the wall is p = max(0, -n . e), a cosine over the half that faces the force. e is found by
 /// Newton's method so that the integral of -p n is `force_n` exactly on the meshed wall. The force
 /// must be perpendicular to the hole's axis.
 struct BoltLoad {
   std::string name;
   std::vector<MeshFace> faces;
-  Vec3 axis; ///< of the hole, any length
+  Vec3 axis; ///< axis of the hole, of any length
   Vec3 force_n;
 };
 
@@ -49,7 +49,7 @@ using Load = std::variant<Traction, TotalForce, Pressure, Gravity, PointForce, B
 /// The consistent nodal forces f_a = integral of N_a t over the faces (tri3, tri6, quad4, quad8) or
 /// N_a rho g over the volume, N, dofs() long (Zienkiewicz & Taylor, The Finite Element Method, vol.
 /// 1, ch. 2). Refuses missing faces or nodes, values that are not finite, and a bolt force that its
-/// wall cannot carry, naming the load.
+/// wall cannot support, and names the load.
 [[nodiscard]] std::vector<double> load_vector(const Mesh&, std::span<const Material>,
                                               std::span<const Load>);
 

@@ -21,7 +21,7 @@ Stress difference(const Stress& a, const Stress& b) {
 
 /// M^-1 of a sum of d d', without the directions that hardly any d has.
 std::array<Vec3, 3> inverse_of_squares(const std::array<Vec3, 3>& m) {
-  constexpr double kCarried = 1e-2; // of the largest square
+  constexpr double kCarried = 1e-2; // relative to the largest square
   const Eigenpairs3 pairs = symmetric_eigenpairs(m);
   std::array<Vec3, 3> inverse{};
   for (std::size_t k = 0; k < 3; ++k)
@@ -32,7 +32,7 @@ std::array<Vec3, 3> inverse_of_squares(const std::array<Vec3, 3>& m) {
   return inverse;
 }
 
-/// The slopes of values over places by least squares: of `values[v]` = `slope`[axis][v] d.
+/// The slopes of values over positions d by least squares: `values[v]` = `slope`[axis][v] d.
 class Slopes {
 public:
   void add(const Vec3& d, double weight, const Stress& value) {
@@ -105,7 +105,8 @@ Rows elements_of_nodes(const Mesh& mesh) {
   return rows;
 }
 
-/// x' H x / 2 of an element's curvature H, a gradient of each component of its gradient.
+/// x' H x / 2 for an element's curvature H, which is the gradient of each component of its
+/// gradient.
 Stress curved(const std::array<Gradient, 3>& h, const Vec3& x) {
   Stress out{};
   for (int i = 0; i < 3; ++i)
@@ -177,7 +178,8 @@ RecoveredStress recovered_stress(const Mesh& mesh, std::span<const Material> mat
     }
     out.error[n] = von_mises(missed[n]);
   }
-  // The estimate of one node may vanish by chance, so each node takes the largest in its elements.
+  // The estimate at one node may vanish by chance, so each node takes the largest estimate in its
+  // elements.
   const std::vector<double> curved_by = out.error;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const auto nodes = mesh.nodes_of(mesh.elements[e]);

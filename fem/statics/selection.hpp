@@ -32,19 +32,19 @@ struct InNodeSet {
   std::string name;
 };
 
-/// A part of the body, chosen by geometry. `tolerance_m` also widens boxes; 0 takes 1e-6 of the
-/// mesh's largest extent.
+/// A part of the body, chosen by geometry. `tolerance_m` also widens boxes; 0 stands for 1e-6 of
+/// the mesh's largest extent.
 struct Selection {
   std::variant<InBox, OnPlane, OnSphere, OnCylinder, InNodeSet> region;
   double tolerance_m = 0;
 };
 
-/// Nodes in the region, ascending; those of the interior too. Refuses impossible regions (a radius
-/// or normal of zero, a box upside down), unknown names, and a region without nodes.
+/// Nodes in the region, ascending, including interior nodes. Refuses impossible regions (a radius
+/// or normal of zero, a box with low above high), unknown names, and a region without nodes.
 [[nodiscard]] std::vector<int> select_nodes(const Mesh&, const Selection&);
 
-/// Faces of the skin all of whose nodes lie in the region. Refuses like select_nodes(), and a
-/// region without faces.
+/// Faces of the skin all of whose nodes lie in the region. Refuses the same regions as
+/// select_nodes(), and a region without faces.
 [[nodiscard]] std::vector<MeshFace> select_faces(const Mesh&, const Selection&);
 
 /// The nodes of faces, ascending.

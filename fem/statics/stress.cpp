@@ -15,14 +15,14 @@ Eigenpairs3 principal_pairs(const Stress& s) noexcept {
 }
 
 /// The superconvergent points of an element's stress (Barlow 1976), and the extrapolation of values
-/// there to its nodes: by the polynomial with as many terms as there are points.
+/// from these points to its nodes, by the polynomial with as many terms as there are points.
 struct Smoothing {
   Tabulated points;
   std::vector<double> to_nodes; ///< [node][point]
 
   Smoothing(Shape shape, std::vector<QuadraturePoint> at) : points(shape, at) {
-    // Condition: the terms' values at the points, multiplied by to_nodes, equal the terms' values
-    // at the nodes.
+    // to_nodes follows from the condition that the terms' values at the points, multiplied by it,
+    // equal the terms' values at the nodes.
     const auto terms = [](const Vec3& p) {
       return std::array{1., p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z};
     };
@@ -105,7 +105,7 @@ Stress von_mises_slope(const Stress& s) noexcept {
   if (!(value > 0))
     return {};
   const double mean = (s[0] + s[1] + s[2]) / 3;
-  // d vM / d s_xy of the symmetric pair: both halves move together.
+  // d vM / d s_xy of the symmetric pair, in which both halves change together.
   return {1.5 * (s[0] - mean) / value,
           1.5 * (s[1] - mean) / value,
           1.5 * (s[2] - mean) / value,

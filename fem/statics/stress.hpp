@@ -13,8 +13,8 @@ using Stress = std::array<double, 6>;
 /// Tresca's largest shear (s1 - s3) / 2, Pa.
 [[nodiscard]] double max_shear(const Stress&);
 
-/// The derivative by each stress component, Voigt; shear counts once. Zero where von Mises is zero;
-/// a one-sided choice where principal stresses coincide.
+/// The derivative by each stress component, in Voigt order; shear counts once. It is zero where von
+/// Mises is zero, and one-sided where principal stresses coincide.
 [[nodiscard]] Stress von_mises_slope(const Stress&) noexcept;
 [[nodiscard]] Stress max_shear_slope(const Stress&);
 
@@ -22,12 +22,12 @@ using Stress = std::array<double, 6>;
 [[nodiscard]] Stress stress_at(const Mesh&, const Element&, const ElasticLaw&,
                                std::span<const double> displacement, const Vec3& reference);
 
-/// Reference coordinates of an element's centre: the mean of its corners.
+/// Reference coordinates of an element's centre, the mean of its corners.
 [[nodiscard]] Vec3 centroid_of(Shape) noexcept;
 /// The shape functions at centroid_of().
 [[nodiscard]] const ShapeValues& at_centroid(Shape);
 
-/// At each element's centroid, [element].
+/// The stress at each element's centroid, [element].
 [[nodiscard]] std::vector<Stress> element_stress(const Mesh&, std::span<const Material>,
                                                  std::span<const double> displacement);
 
@@ -35,8 +35,8 @@ struct StressSample {
   Vec3 at; ///< m
   Stress stress;
 };
-/// At each element's superconvergent points (4 in tet10, 2x2x2 in hex20, 3x2 in wedge15; Barlow
-/// 1976), [element][point].
+/// The stress at each element's superconvergent points (4 in tet10, 2x2x2 in hex20, 3x2 in wedge15;
+/// Barlow 1976), [element][point].
 [[nodiscard]] std::vector<std::vector<StressSample>>
 best_stress(const Mesh&, std::span<const Material>, std::span<const double> displacement);
 

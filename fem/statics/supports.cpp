@@ -22,8 +22,8 @@ void check_springs(const Mesh& mesh, const SpringPatch& spring) {
                        " N/m along " + "xyz"[i] + ", expected 0 or more");
 }
 
-/// The constraints on one piece's six rigid motions: translation by t and rotation by w / radius
-/// about `centre`.
+/// The constraints on the six rigid motions of one piece, a translation by t and a rotation by w /
+/// radius about `centre`.
 struct Piece {
   Vec3 centre, constrained_centre;
   double nodes = 0, radius = 0, constrained = 0;
@@ -45,7 +45,7 @@ struct Piece {
   }
 };
 
-/// Rounding taken away: components below 1e-9 of `scale` are zero.
+/// Removes rounding errors: components below 1e-9 of `scale` become zero.
 Vec3 without_rounding(Vec3 v, double scale) {
   for (int i = 0; i < 3; ++i)
     if (std::abs(v[i]) < 1e-9 * scale)
@@ -53,7 +53,7 @@ Vec3 without_rounding(Vec3 v, double scale) {
   return v;
 }
 
-/// "y", or "(0.8, 0.6, 0)"; the first component that is not zero is positive.
+/// A text such as "y" or "(0.8, 0.6, 0)"; the first component that is not zero is positive.
 std::string direction(const Vec3& v) {
   Vec3 d = without_rounding((1 / length(v)) * v, 1);
   for (int i = 0; i < 3; ++i)
@@ -67,8 +67,8 @@ std::string direction(const Vec3& v) {
   return format("(%.3g, %.3g, %.3g)", d.x, d.y, d.z);
 }
 
-/// "a rotation about y through (1, 0, 2) mm": the motion itself where one is free; of several the
-/// plainest, a translation or a rotation about an axis parallel to x, y or z.
+/// A text such as "a rotation about y through (1, 0, 2) mm". If several motions are free, it
+/// describes the simplest, a translation or a rotation about an axis parallel to x, y or z.
 std::string describe(const Piece& piece, std::span<const double> null_space, std::size_t count) {
   const Vec3 centre =
       piece.constrained > 0 ? (1 / piece.constrained) * piece.constrained_centre : piece.centre;

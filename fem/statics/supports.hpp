@@ -12,16 +12,16 @@ struct FixedPatch {
   Vec3 displacement_m{};
 };
 
-/// An elastic bedding of faces (Winkler): traction t_i = -(k_i / A) u_i, k_i the stiffness of the
-/// whole patch in direction i, N/m, A its area. Weighted by area, so it does not depend on how the
-/// faces are meshed.
+/// An elastic foundation of faces (Winkler): traction t_i = -(k_i / A) u_i, where k_i is the
+/// stiffness of the whole patch in direction i, N/m, and A its area. It is weighted by area, so it
+/// does not depend on the mesh of the faces.
 struct SpringPatch {
   std::string name;
   std::vector<MeshFace> faces;
   Vec3 stiffness_n_per_m;
 };
 
-/// 1 for each degree of freedom that a patch constrains.
+/// Has a 1 for each degree of freedom that a patch constrains.
 [[nodiscard]] std::vector<std::uint8_t> held_directions(const Mesh&, std::span<const FixedPatch>);
 
 /// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.
@@ -34,8 +34,8 @@ void add_springs(const Mesh&, std::span<const SpringPatch>, Matrices& into);
 
 /// Refuses supports that leave a connected piece of the body free to move, before any factor is
 /// tried: one sentence that names the piece and the motion (translation along, rotation about an
-/// axis through a point). A rigid motion of a piece is free if it moves no held direction and no
-/// spring.
+/// axis through a point). A rigid motion of a piece is free if it moves no constrained direction
+/// and no spring.
 void check_supported(const Mesh&, std::span<const FixedPatch>, std::span<const SpringPatch>);
 
 } // namespace tactus::fem

@@ -1,6 +1,6 @@
 #include <windows.h>
 
-// With the vendor's import libraries only: theirs exports a DllMain, which a module without its own
-// runs.
+// Needed only with the vendor's import libraries: they export a DllMain, which a module without its
+// own DllMain would run.
 extern "C" BOOL WINAPI DllMain(HINSTANCE, DWORD, LPVOID);
 extern "C" BOOL WINAPI DllMain(HINSTANCE, DWORD, LPVOID) { return TRUE; }

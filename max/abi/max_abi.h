@@ -1,5 +1,5 @@
-/* The part of Max's 64-bit binary interface that max/ uses, declared from public facts: no text of
-   the vendor's. A function's number and width of arguments are its contract: `long` has 4 bytes on
+/* The part of Max's 64-bit binary interface that max/ uses, declared from public facts, without the
+   vendor's text. A function's number and width of arguments are its contract: `long` has 4 bytes on
    Windows and 8 elsewhere, and only functions declared with ... here are variadic in Max. */
 #pragma once
 

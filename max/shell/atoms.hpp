@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-/// Between Max's atoms and the core's.
+/// Converts between Max's atoms and the core's.
 namespace tactus::max {
 
 /// Words point to Max's symbols, which live as long as Max.
@@ -15,7 +15,7 @@ namespace tactus::max {
 void set_atom(t_atom& to, const Atom& atom);
 [[nodiscard]] std::vector<t_atom> to_max_atoms(std::span<const Atom> atoms);
 
-/// gensym() for a word that does not end in a zero.
+/// As gensym(), for a word that does not end in a zero.
 [[nodiscard]] t_symbol* symbol_of(std::string_view word);
 
 /// Max stores every function as one untyped pointer type.

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
-/// Logical time of audio blocks. Max's scheduler and its sound card have clocks of their own, so
-/// blocks follow each other exactly, and jump to the scheduler's time where they have drifted
+/// Logical time of audio blocks. Max's scheduler and the sound card have separate clocks. Blocks
+/// therefore follow each other exactly, and jump to the scheduler's time if the clocks have drifted
 /// apart.
 namespace tactus::max {
 
 class BlockClock {
 public:
-  /// Start of a block of this length, given the scheduler's time.
+  /// Returns the start of a block of this length, given the scheduler's time.
   [[nodiscard]] double next(double scheduler_ms, double length_ms) noexcept {
     const double tolerance_ms = std::max(kTolerance_ms, 2 * length_ms);
     if (!(std::abs(scheduler_ms - next_ms_) <= tolerance_ms))

@@ -25,14 +25,14 @@ struct QueuedCommand {
     kCreated,
     kDumpFirst,
     kDump,
-    kGet ///< `get` of a name that is no parameter
+    kGet ///< `get` of a name that is not a parameter
   };
   static constexpr std::size_t kFewAtoms = 8;
 
   Kind kind = Kind::kMessage;
   bool realtime = false; ///< runs without allocating, so the audio thread may run it
-  std::size_t index = 0; ///< of parameter, message, inlet or timer
-  double value = 0;      ///< of a parameter or scalar
+  std::size_t index = 0; ///< index of a parameter, message, inlet or timer
+  double value = 0;      ///< value of a parameter or scalar
   std::size_t count = 0; ///< number of atoms in `few`
   std::array<Atom, kFewAtoms> few{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   std::unique_ptr<std::vector<Atom>>
@@ -53,8 +53,8 @@ struct QueuedCommand {
   }
 };
 
-/// Bounded queue: any thread pushes, the holder of the object's token takes. After D. Vyukov's
-/// bounded queue: each cell carries the turn in which it may be written or read.
+/// Bounded queue: any thread may push, and the holder of the object's token takes commands out. It
+/// follows D. Vyukov's bounded queue: each cell stores the turn in which it may be written or read.
 class CommandQueue {
 public:
   CommandQueue() : cells_(kCapacity) {
@@ -80,7 +80,7 @@ public:
       }
     }
   }
-  /// The oldest command, or null. For the holder of the token, as is pop().
+  /// The oldest command, or null. Only the holder of the token may call front() and pop().
   [[nodiscard]] QueuedCommand* front() noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     Cell& cell = cells_[begin % kCapacity];
@@ -91,7 +91,7 @@ public:
     cells_[begin % kCapacity].turn.store(begin + kCapacity, std::memory_order_release);
     begin_.store(begin + 1);
   }
-  /// Whether no command is ready to be taken; callable from any thread.
+  /// True if no command is ready to be taken; callable from any thread.
   [[nodiscard]] bool empty() const noexcept {
     const std::size_t begin = begin_.load();
     return cells_[begin % kCapacity].turn.load() != begin + 1;

@@ -17,11 +17,11 @@
 namespace tactus::max {
 namespace {
 
-/// How often the audio thread tries the token in one block: 15 to 50 microseconds of processors of
-/// today, longer than a command that computes nothing.
+/// Maximum number of tries of the audio thread to take the token in one block. They last 15 to 50
+/// microseconds on present processors, longer than a command that computes nothing.
 constexpr int kBlockTries = 1000;
 
-/// Leaves the processor's pipeline to the thread that shares it; no system call.
+/// Leaves the processor's pipeline to the thread that shares it, without a system call.
 void relax() noexcept {
 #ifdef __SSE2__
   _mm_pause();
@@ -33,8 +33,8 @@ void relax() noexcept {
 /// Longer than any block, so that only an audio thread that stopped within a block loses commands.
 constexpr int kMaxTries = 100000;
 
-/// A message thread's hold on the object's token. The destructor releases it, also after an
-/// exception: a token that is never released would silence the object for good.
+/// A message thread's hold on the object's token. The destructor releases the token, also after an
+/// exception, because a token that is never released would silence the object permanently.
 class MessageHold {
 public:
   MessageHold(Token& token, Outbox*& current, Outbox& outbox) : token_(token), current_(current) {
@@ -84,15 +84,15 @@ void Executor::post(QueuedCommand command) {
     carry_out_all();
 }
 
-/// The queue and the token are sequentially consistent: either the holder, which checks the queue
-/// after releasing the token, sees a command pushed meanwhile, or the command's sender sees a free
-/// token.
+/// The queue and the token are sequentially consistent. The holder checks the queue after it
+/// releases the token. Either it then sees a command that was pushed meanwhile, or the sender of
+/// that command sees a free token.
 void Executor::carry_out_all() {
   while (!queue_.empty()) {
     if (audio_waits_.load() || !token_.take(Token::Holder::kMessage)) {
       if (token_.holder() == Token::Holder::kMessage)
         return;
-      std::this_thread::yield(); // a block ends soon
+      std::this_thread::yield(); // the audio thread's block ends soon
       continue;
     }
     Outbox outbox;
@@ -160,7 +160,7 @@ void Executor::wait_for_token() {
     std::this_thread::yield();
 }
 
-/// Also called by the audio thread. A command that fails does not prevent those after it.
+/// Also called by the audio thread. A command that fails does not prevent later commands.
 void Executor::carry_out(const QueuedCommand& command) noexcept {
   tactus::guarded([&] { call(command); }, [this](const char* why) { host_.error(why); });
   const bool is_parameter = command.kind == QueuedCommand::Kind::kParameter;

@@ -20,7 +20,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, failed);
 }
 
-/// Max writes "Macintosh HD:/Users/..." on macOS; the system's functions take "/Users/...".
+/// Max writes "Macintosh HD:/Users/..." on macOS; the system's functions expect "/Users/...".
 std::string system_path(const char* of_max) {
   PathText conformed{};
   if (path_nameconform(of_max, conformed.data(), PATH_STYLE_SLASH, PATH_TYPE_BOOT) != 0)
@@ -54,7 +54,8 @@ void Files::look_for_folder() {
   t_object* patcher = nullptr;
   if (object_obex_lookup(box_, gensym("#P"), &patcher) != 0)
     patcher = nullptr;
-  for (; patcher; patcher = jpatcher_get_parentpatcher(patcher)) // a subpatcher has no file
+  for (; patcher; patcher = jpatcher_get_parentpatcher(patcher)) // goes up to the patcher that has
+                                                                 // a file
     if (const t_symbol* file = jpatcher_get_filepath(patcher);
         file && file->s_name && *file->s_name) {
       folder_ = to_generic_utf8(utf8_path(system_path(file->s_name)).parent_path());

@@ -6,30 +6,31 @@
 #include <string_view>
 #include <vector>
 
-/// Files and buffers by name, as Max users expect them to be found. Max's functions for them belong
-/// to its main thread; in another one only files beside the patcher, and by their full path, are
-/// found.
+/// Files and buffers by name, as Max users expect them to be found. Max's functions for this may
+/// only be called in its main thread. In other threads, only files beside the patcher and files
+/// given by their full path are found.
 namespace tactus::max {
 
 class Files {
 public:
-  /// The box must have been made. Main thread.
+  /// For the main thread; the box must already exist.
   explicit Files(t_object* box);
 
-  /// Full path, UTF-8 with slashes, of an existing file: as it is, beside the patcher, or in Max's
-  /// search path, there also by its name without folders. Empty if there is none.
+  /// Full path, in UTF-8 with slashes, of an existing file. The name is tried as a full path,
+  /// beside the patcher and in Max's search path, there also without its folders. Empty if there is
+  /// no such file.
   [[nodiscard]] std::string find(std::string_view name);
   /// Full path for a file to be written; relative names are beside the patcher, or in Max's default
   /// folder while it has not been saved.
   [[nodiscard]] std::string to_write(std::string_view name);
-  /// The first channel of a buffer~; false if there is none of this name. Main thread.
+  /// The first channel of a buffer~; false if there is none of this name. For the main thread.
   [[nodiscard]] bool read_buffer(std::string_view name, std::vector<double>& values) const;
 
 private:
   void look_for_folder();
 
   t_object* box_;
-  std::string folder_; ///< base of relative names, last updated in the main thread
+  std::string folder_; ///< base of relative names, updated in the main thread
 };
 
 /// Whether this is Max's main thread, in which its file functions may be called.

@@ -16,7 +16,7 @@
 namespace tactus::max {
 namespace {
 
-constexpr std::size_t kMaxAssistance = 256; // size of Max's buffer, including the final zero
+constexpr std::size_t kMaxAssistance = 256; // size of Max's buffer with the final zero
 
 /// The class of this module.
 struct {
@@ -146,7 +146,7 @@ t_max_err set_parameter(Instance* instance, std::size_t index, long count, const
   guarded(instance, [&](MaxObject& object) {
     object.message(object.declaration().parameters[index].name, to_atoms(count, atoms));
   });
-  return 0; // a refused value was reported; the old value remains
+  return 0; // a refused value has been reported; the old value remains
 }
 
 t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_atom** atoms) {
@@ -174,7 +174,8 @@ t_max_err get_value(Instance* instance, long* count, t_atom** atoms) {
     char was_allocated = 0;
     if (atom_alloc_array(size, count, atoms, &was_allocated) != 0)
       return;
-    *count = was_allocated ? size : std::min(*count, size); // not beyond the caller's own memory
+    *count = was_allocated ? size : std::min(*count, size); // writes no more than the caller's
+                                                            // memory holds
     for (long i = 0; i < *count; ++i)
       set_atom((*atoms)[i], object.parameter(stored[static_cast<std::size_t>(i)]));
   });
@@ -194,8 +195,8 @@ t_max_err set_value(Instance* instance, long count, t_atom* atoms) {
   return 0;
 }
 
-// Max passes the attribute to a setter as an object whose name only a variadic function can read,
-// so each parameter gets its own functions.
+// Max passes the attribute to a setter as an object, whose name only a variadic function can read.
+// So each parameter gets its own functions.
 template <std::size_t index> t_max_err set(Instance* instance, void*, long count, t_atom* atoms) {
   return set_parameter(instance, index, count, atoms);
 }

@@ -29,7 +29,8 @@ void send_to(void* outlet, std::span<const Atom> atoms) {
     outlet_list(outlet, gensym("list"), count, list.data());
 }
 
-/// An attribute argument, of the object or of Max itself: all but messages of the object.
+/// True for an attribute argument of the object or of Max, that is for all except messages of the
+/// object.
 bool is_attribute(const Declaration& declaration, const Atom& atom) {
   return atom.is_word && atom.word.size() > 1 && atom.word[0] == '@' &&
          !find_message(declaration, atom.word.substr(1));
@@ -117,7 +118,7 @@ bool MaxObject::begin(std::span<const Atom> arguments) {
   }
   post(QueuedCommand::Kind::kCreated);
   for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
-    (void)executor_->take_change(i); // the box is new: there is nothing to notify
+    (void)executor_->take_change(i); // a new box has no changes to report
   notifies_changes_.store(true);
   return true;
 }
@@ -138,8 +139,8 @@ void MaxObject::number(std::size_t inlet, double value) {
   executor_->post(std::move(command));
 }
 
-/// A list at the left inlet: one number for each inlet, the right ones first, unless the object
-/// declares lists itself.
+/// Handles a list at the left inlet. Unless the object declares lists itself, it is one number for
+/// each inlet, and the rightmost inlet is set first.
 void MaxObject::list(std::size_t inlet, std::span<const Atom> atoms) {
   if (inlet == 0 && find_message(declaration_, "list"))
     return message("list", {atoms.begin(), atoms.end()});
@@ -188,7 +189,7 @@ void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
   } else {
     const Message& declared = declaration_.messages[request.index];
     if (names_file(declared, arguments) &&
-        !in_main_thread()) // Max's file and buffer functions need it
+        !in_main_thread()) // Max's file and buffer functions need the main thread
       return leave_to_main_thread(name, std::move(arguments));
     command.kind = QueuedCommand::Kind::kMessage;
     command.realtime = declared.realtime;
@@ -305,8 +306,8 @@ void MaxObject::expect_audio() {
   clock_fdelay(nudge_clock_, nudge_ms_.load());
 }
 
-/// Commands may have arrived after the nudge was set. Audio has stopped only if no block was
-/// computed since.
+/// Commands may have arrived after the nudge was scheduled. Audio has stopped only if no block has
+/// been computed since then.
 void MaxObject::nudge() {
   nudge_set_.store(false);
   if (!executor_->waiting())

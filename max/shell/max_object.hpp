@@ -31,8 +31,8 @@ class MaxObject;
 
 /// The memory that Max allocates. No constructor runs for it: all C++ members are in self.
 struct Instance {
-  t_pxobject object; // first; of control objects only its first part is used
-  MaxObject* self;   // null while a constructor has failed
+  t_pxobject object; // must be first; control objects use only its first part
+  MaxObject* self;   // null if the constructor has failed
 };
 
 class MaxObject final : public Host, private Executor::Shell {
@@ -42,24 +42,23 @@ public:
   MaxObject(const MaxObject&) = delete;
   MaxObject& operator=(const MaxObject&) = delete;
 
-  /// Carries out the creation arguments: positional ones, flags and messages, then by Max
-  /// attributes
-  /// (`@name value`). False after one error when they are malformed.
+  /// Carries out the creation arguments: positional ones, flags and messages, then Max attributes
+  /// (`@name value`). Returns false after one error if they are malformed.
   [[nodiscard]] bool begin(std::span<const Atom> arguments);
 
-  // Messages: any thread but audio's.
+  // Messages, for any thread except audio's.
   void number(std::size_t inlet, double value);
   void list(std::size_t inlet, std::span<const Atom> atoms);
   void message(std::string_view name, std::vector<Atom> arguments);
   [[nodiscard]] Atom parameter(std::size_t index) const;
   [[nodiscard]] const Declaration& declaration() const { return declaration_; }
 
-  // Audio. counts says of each of Max's signal inlets whether something is connected.
+  // For audio. counts[i] is not 0 if something is connected to Max's signal inlet i.
   void prepare(std::span<const short> counts, double sample_rate, long max_frames);
   void perform(std::span<double* const> in, std::span<double* const> out,
                std::size_t frames) noexcept;
 
-  // Host
+  // Functions of Host.
   void send(std::size_t outlet, std::span<const Atom> atoms) override;
   void info(std::span<const Atom> atoms) override;
   void error(std::string_view sentence) override;
@@ -82,7 +81,7 @@ private:
   };
   static constexpr std::uint32_t kInfo = 0xffffffff; ///< in place of an outlet's index
 
-  // Executor::Shell
+  // Functions of Executor::Shell.
   [[nodiscard]] bool audio_runs() const override;
   void expect_audio() override;
   void deliver(const Outbox& outbox) override;
@@ -112,7 +111,7 @@ private:
   const Traits& traits_;
   const Declaration& declaration_;
   Ports ports_;
-  double creation_ms_; ///< on the scheduler's clock
+  double creation_ms_; ///< time of creation by the scheduler's clock
   SignalInlets inlets_;
   mutable Files files_;
   std::vector<Timer> timers_;
@@ -143,8 +142,8 @@ template <class Function> void guarded(Instance* instance, Function&& function) 
                     [&](const char* why) { object_error(&instance->object.z_ob, "%s", why); });
 }
 
-/// Makes the Max class of this module out of its object's declaration: methods, an attribute for
-/// each parameter, Max's callbacks. What is passed lives as long as the module.
+/// Makes the Max class of this module from its object's declaration: methods, an attribute for each
+/// parameter, and Max's callbacks. `module` must live as long as the module is loaded.
 void register_class(const ModuleObject<double>& module);
 
 } // namespace tactus::max

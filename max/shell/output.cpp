@@ -11,14 +11,15 @@ constexpr std::size_t kWord = 8; // alignment of all records, bytes
 
 struct Header {
   std::uint32_t kind, outlet;
-  std::uint64_t count; // of atoms
+  std::uint64_t count; // number of atoms
 };
 struct StoredAtom {
-  std::uint64_t length; // of the word that follows, or kNumber
+  std::uint64_t length; // length of the word that follows, or kNumber
   double number;
 };
 constexpr std::uint64_t kNumber = std::numeric_limits<std::uint64_t>::max();
-/// Instead of a kind: the record does not fit before the end of the ring and begins at its front.
+/// Replaces a kind if the record does not fit before the end of the ring and therefore begins at
+/// its front.
 constexpr std::uint32_t kGoOnAtFront = std::numeric_limits<std::uint32_t>::max();
 
 constexpr std::size_t padded(std::size_t size) { return (size + kWord - 1) / kWord * kWord; }

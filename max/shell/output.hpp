@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-/// What an object sends while somebody holds its token, kept until the token is free: only then may
-/// it go to outlets, whose receivers may send to the object again.
+/// Outputs that an object sends while its token is held. They are stored until the token is free,
+/// because the receivers at the outlets may send to the object again.
 namespace tactus::max {
 
 /// One output: atoms to an outlet, or one word to Max's console.
@@ -47,7 +47,7 @@ private:
 class OutputRing {
 public:
   OutputRing() : bytes_(kCapacity) {}
-  /// Allocates nothing; false when there is no room.
+  /// Allocates nothing; returns false if there is no room.
   [[nodiscard]] bool add(Output::Kind kind, std::size_t outlet,
                          std::span<const Atom> atoms) noexcept;
   [[nodiscard]] bool empty() const noexcept {

@@ -13,7 +13,7 @@ class ParameterView {
 public:
   explicit ParameterView(std::size_t count) : slots_(count) {}
 
-  /// The value that the object will have: the last one requested, until it is applied.
+  /// The last requested value, until the object has applied it; otherwise the object's value.
   [[nodiscard]] double value(std::size_t i) const noexcept {
     const Slot& slot = slots_[i];
     return slot.pending.load(std::memory_order_acquire) > 0
@@ -26,9 +26,9 @@ public:
   }
   void answer(std::size_t i) noexcept { slots_[i].pending.fetch_sub(1, std::memory_order_release); }
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// Reads all values of the object and marks those that have changed. The one that was set is
-  /// marked only if it differs from the requested value, since its setter already has that. True if
-  /// any is marked. For the holder of the object's token.
+  /// Reads all values of the object and marks those that have changed. The parameter that was set
+  /// is marked only if its value differs from the requested one, which its setter already has.
+  /// Returns true if any value has changed. For the holder of the object's token.
   bool refresh(const AnyObject<double>& object, std::size_t set = kNone) noexcept {
     bool any = false;
     for (std::size_t i = 0; i < slots_.size(); ++i) {

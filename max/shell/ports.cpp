@@ -15,7 +15,8 @@ std::size_t count_signal_inlets(const Declaration& declaration) {
 Ports::Ports(t_pxobject& object, const Declaration& declaration, bool processes)
     : outlets_(declaration.outlets.size()) {
   const std::size_t signals = count_signal_inlets(declaration);
-  const std::size_t first = processes && signals > 0 ? signals : 1; // Max makes the leftmost itself
+  const std::size_t first = processes && signals > 0 ? signals : 1; // Max makes the leftmost inlet
+                                                                    // itself
   for (std::size_t i = declaration.inlets.size(); i-- > first;)
     proxies_.push_back(proxy_new(&object, static_cast<long>(i), &object.z_in));
   if (processes)

@@ -10,12 +10,12 @@
 /// An object's inlets and outlets in Max.
 namespace tactus::max {
 
-/// Inlets that signals can be connected to: all up to the last that is declared as one.
+/// Number of inlets to which signals can be connected: all up to the last declared signal inlet.
 [[nodiscard]] std::size_t count_signal_inlets(const Declaration&);
 
 class Ports {
 public:
-  /// Makes them from right to left, as Max adds each at the left of those that are there.
+  /// Makes the ports from right to left, because Max adds each new port at the left.
   Ports(t_pxobject& object, const Declaration&, bool processes);
   ~Ports();
   Ports(const Ports&) = delete;
@@ -33,7 +33,8 @@ private:
   std::vector<void*> proxies_;
 };
 
-/// What Max shows while the mouse is over a port: "(signal/float) p_m, Pa: mouth pressure".
+/// The text that Max shows while the mouse is over a port, such as "(signal/float) p_m, Pa: mouth
+/// pressure".
 [[nodiscard]] std::string assistance(const Declaration&, bool is_inlet, std::size_t index);
 
 } // namespace tactus::max

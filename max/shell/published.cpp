@@ -48,7 +48,7 @@ PublishedObject::~PublishedObject() {
     const Critical all_modules;
     entry_->symbol->s_thing = nullptr;
   }
-  delete entry_; // may also destroy the shared object: outside of the critical region
+  delete entry_; // outside the critical region, since this may destroy the shared object
 }
 
 std::shared_ptr<void> find_published(std::string_view name) {

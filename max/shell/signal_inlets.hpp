@@ -9,13 +9,13 @@
 #include <span>
 #include <vector>
 
-/// The samples of an object's signal inlets: Max's where a signal is connected, elsewhere the last
-/// number that was sent to the inlet, as in Pd.
+/// The samples of an object's signal inlets: Max's samples if a signal is connected, otherwise the
+/// last number that was sent to the inlet, as in Pd.
 namespace tactus::max {
 
 class SignalInlets {
 public:
-  /// The longest block; Max's longest vector.
+  /// The longest block, equal to Max's longest vector.
   static constexpr std::size_t kMaxFrames = 2048;
 
   explicit SignalInlets(const Declaration& declaration) {
@@ -25,20 +25,20 @@ public:
     samples_.resize(inlets_.size());
   }
 
-  /// Any thread. False if port is no signal inlet.
+  /// For any thread. Returns false if `port` is not a signal inlet.
   bool set(std::size_t port, double number) noexcept {
     for (auto& inlet : inlets_)
       if (inlet->port == port)
         return inlet->number.store(number, std::memory_order_relaxed), true;
     return false;
   }
-  /// When the graph changes: counts are Max's, of all its signal inlets.
+  /// Called when the signal graph changes, with Max's counts for all its signal inlets.
   void connect(std::span<const short> counts) noexcept {
     for (auto& inlet : inlets_)
       inlet->connected.store(inlet->port < counts.size() && counts[inlet->port] != 0,
                              std::memory_order_relaxed);
   }
-  /// Audio thread: a pointer for each inlet to at most kMaxFrames samples.
+  /// For the audio thread: for each inlet a pointer to at most kMaxFrames samples.
   [[nodiscard]] std::span<const double* const> samples(std::span<double* const> from_max,
                                                        std::size_t first) noexcept {
     for (std::size_t k = 0; k < inlets_.size(); ++k) {

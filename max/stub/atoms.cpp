@@ -104,8 +104,8 @@ t_max_err atom_setsym(t_atom* a, const t_symbol* s) {
 t_max_err atom_alloc(long* count, t_atom** atoms, char* allocated) {
   return atom_alloc_array(1, count, atoms, allocated);
 }
-/// The caller's memory, if it brings some, as long as its count says; else new memory, the caller's
-/// too.
+/// Uses the caller's memory, of the size in *count, if the caller passes some. Otherwise allocates
+/// memory that the caller must free.
 t_max_err atom_alloc_array(long wanted, long* count, t_atom** atoms, char* allocated) {
   const ApiCall api("atom_alloc_array");
   *allocated = *atoms ? 0 : 1;

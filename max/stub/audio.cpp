@@ -1,4 +1,4 @@
-// MaxAudio's functions of the signal chain, and the chain that performs.
+// MaxAudio's functions of the signal chain, and the chain itself.
 #include "max/stub/stub.hpp"
 
 #include "files/utf8_path.hpp"
@@ -11,8 +11,8 @@
 namespace tactus::stub {
 namespace {
 constexpr double kUnwritten =
-    std::bit_cast<double>(0x7ff8'dead'0000'0001ULL); // a NaN that nobody computes
-constexpr std::size_t kGuard = 4;                    // samples on both sides of a vector
+    std::bit_cast<double>(0x7ff8'dead'0000'0001ULL); // a NaN that no computation yields
+constexpr std::size_t kGuard = 4;                    // guard samples on both sides of a vector
 std::atomic<std::uint64_t> position{0};
 t_object chain{};
 
@@ -45,7 +45,8 @@ void compile(Object& object) {
   });
 }
 
-/// Vectors without a cord are null here, so that no object may read them; Max's are zeros.
+/// Vectors of unconnected inlets are null here, so that no object may read them; in Max they are
+/// zeros.
 void perform(Object& object, std::uint64_t sample) {
   const auto frames = static_cast<std::size_t>(audio().vector);
   std::vector<double*> in, out;
@@ -142,7 +143,7 @@ void z_dsp_setup(t_pxobject* x, long inlets) {
   object->signal_inlets = inlets;
   object->sources.resize(static_cast<std::size_t>(inlets));
   for (long id = inlets - 1; id >= 1; --id) {
-    auto* proxy = new Proxy; // not the external's to free
+    auto* proxy = new Proxy; // the external must not free it
     proxy->id = id;
     proxy->inlet = &x->z_in;
     object->proxies.push_back(proxy);

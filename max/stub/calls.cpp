@@ -1,4 +1,4 @@
-// Who calls: threads, the external's function that each is in, and what is printed of it.
+// Tracks which external's function each thread executes, and prints the reports.
 #include "max/stub/stub.hpp"
 
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace tactus::stub {
 namespace {
 constinit thread_local Role role = kForeign;
 constinit thread_local Call* innermost = nullptr;
-constinit thread_local int depth = 0; // > 0: in the stub, not in an external
+constinit thread_local int depth = 0; // above 0 in the stub, 0 in an external
 constinit thread_local std::vector<std::string>* collected = nullptr;
 std::mutex report_mutex;
 std::set<std::string>& reported() {
@@ -25,7 +25,7 @@ std::set<std::string>& reported() {
 constexpr const char* kPlaces[]{"ext_main", "constructor", "free method", "message", "attribute",
                                 "assist",   "dsp64",       "perform",     "clock"};
 
-/// tests/guard, where it is preloaded, watches what perform does from 1 to 0.
+/// If tests/guard is preloaded, it watches perform from a call with 1 to a call with 0.
 using Guard = void (*)(int);
 #if defined(_WIN32)
 constexpr Guard guard = nullptr;
@@ -37,7 +37,7 @@ void watch_perform(int on) noexcept {
     guard(on);
 }
 
-/// The stub's own work: nothing in it counts as the external's.
+/// Marks the stub's own work, so that it does not count as the external's.
 struct HostWork {
   HostWork() noexcept {
     if (depth++ == 0)

@@ -18,7 +18,7 @@ struct t_buffer_ref : tactus::stub::Record {
 namespace tactus::stub {
 namespace {
 namespace fs = std::filesystem;
-std::vector<std::string> folders; // by path number
+std::vector<std::string> folders; // indexed by path number
 std::string patcher_file;
 bool in_subpatcher = false;
 t_object main_patcher{}, subpatcher{};
@@ -32,7 +32,8 @@ short number_of(const std::string& folder) {
   }
   return static_cast<short>(found - folders.begin());
 }
-/// A whole buffer of the documented size, so that a sanitizer sees one that is too small.
+/// Writes a whole buffer of the documented size, so that a sanitizer detects a buffer that is too
+/// small.
 void give(const std::string& text, char* to, std::size_t size) {
   std::fill_n(to, size, '\0');
   std::copy_n(text.data(), std::min(text.size(), size - 1), to);

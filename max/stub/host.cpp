@@ -36,7 +36,8 @@ std::string load(const std::string& file, method& ext_main) {
 #endif
 
 void run(std::istream& script) {
-  std::vector<std::vector<std::string>> block; // "threads VECTORS" and the lines until "end"
+  std::vector<std::vector<std::string>> block; // the command "threads VECTORS" and the lines until
+                                               // "end"
   for (std::string text; std::getline(script, text);) {
     std::vector<std::string> line = split_line(text);
     if (line.empty())
@@ -65,7 +66,7 @@ std::string load_external(const std::string& file) {
 
 } // namespace tactus::stub
 
-/// The host's main(): 0, 2 where the script is wrong, 3 where there was a violation.
+/// The host's main(). Returns 0, or 2 if the script is wrong, or 3 if there was a violation.
 extern "C" int run_host();
 extern "C" int run_host() {
   using namespace tactus::stub;

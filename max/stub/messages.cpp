@@ -1,4 +1,4 @@
-// Messages, attributes and other questions on their way to an object.
+// Sends messages, attributes and other queries to an object.
 #include "max/stub/stub.hpp"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ bool call_method(void* x, const t_class::Method& m, std::string_view selector,
   return true;
 }
 
-/// `NAME value` of an attribute, and `getNAME`, whose answer leaves dumpout.
+/// Handles `NAME value` of an attribute, and `getNAME`, whose answer is sent from dumpout.
 bool is_of_attribute(Object& object, std::string_view selector, std::span<t_atom> atoms) {
   if (object.type->attribute(selector)) {
     set_attribute(object, selector, atoms);
@@ -54,7 +54,8 @@ bool is_of_attribute(Object& object, std::string_view selector, std::span<t_atom
   return true;
 }
 
-/// What a getter answers with memory of its own; and asks again with memory for one atom.
+/// Returns a getter's answer in memory of the getter. Then calls the getter again with memory for
+/// one atom.
 std::vector<t_atom> ask(Object& object, const std::string& name,
                         const std::function<t_max_err(long*, t_atom**)>& getter) {
   Call call{.where = Where::kAttribute, .object = &object};
@@ -75,7 +76,7 @@ std::vector<t_atom> ask(Object& object, const std::string& name,
   return value;
 }
 
-/// The drag that a box is asked about, with the message that it wants.
+/// The drag about which a box is asked, with the message that the box requests.
 struct Drag {
   t_object header{};
   std::string message{};
@@ -92,7 +93,7 @@ void send_message(Object& object, long inlet, std::string_view selector, std::sp
   if (!m && is_of_attribute(object, selector, atoms))
     return;
   if (selector == "list" && atoms.size() == 1 && atoms[0].a_type != A_SYM)
-    m = c.find(atoms[0].a_type == A_LONG ? "int" : "float"); // as Max does
+    m = c.find(atoms[0].a_type == A_LONG ? "int" : "float"); // Max does so too
   if (!m)
     m = c.find("anything");
   long* number = nullptr;
@@ -199,7 +200,7 @@ t_max_err object_attr_touch(t_object* x, t_symbol* name) {
   const ApiCall api("object_attr_touch", kMain);
   Object* object = require_object(x, "object_attr_touch");
   if (const Attribute* attribute =
-          object->type->attribute(name->s_name)) // whoever shows it reads it again
+          object->type->attribute(name->s_name)) // every view of the attribute reads it again
     print_line("shown: " + object->id + " " + attribute->name + " " +
                to_text(get_attribute(*object, *attribute)));
   else

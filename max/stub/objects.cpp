@@ -1,5 +1,5 @@
-// What externals are given: classes, boxes, their outlets and inlets; and whether all is given
-// back.
+// The objects that externals get: classes, boxes, outlets and inlets. Checks that externals free
+// them all.
 #include "max/stub/stub.hpp"
 
 #include <algorithm>
@@ -13,13 +13,13 @@
 namespace tactus::stub {
 namespace {
 constexpr intptr_t kMagic = 1758379419;
-constexpr std::size_t kBefore = 16; // bytes in front of a box's struct
-// Reachable until the end, so that a sanitizer sees the leaks of externals alone.
+constexpr std::size_t kBefore = 16; // bytes before a box's struct
+// Reachable until the end, so that a sanitizer reports only the leaks of externals.
 auto& living = *new std::vector<Object*>;
 auto& every_object = *new std::vector<Object*>;
 auto& classes = *new std::vector<t_class*>;
 
-/// What Max itself calls, with its own arguments (A_CANT) or with those of a message.
+/// The methods that Max itself calls, with its own arguments (A_CANT) or with a message's.
 const std::map<std::string_view, std::vector<short>>& methods_of_max() {
   static const std::map<std::string_view, std::vector<short>> types{
       {"assist", {A_CANT}},
@@ -55,7 +55,7 @@ Object* in_constructor(void* x, const char* function) {
   return object;
 }
 
-/// What must be true of a box once its constructor is done.
+/// Checks a box after its constructor.
 void check_construction(Object& object) {
   const std::string start = object.text() + ": ";
   if (object.type->dsp && !object.in_chain)
@@ -265,7 +265,7 @@ void* object_alloc(t_class* c) {
   auto* object = new Object;
   object->type = require<t_class>(c, "object_alloc");
   auto* memory = static_cast<std::byte*>(std::malloc(kBefore + c->size));
-  std::memset(memory, 0xCD, kBefore + c->size); // Max promises no zeros
+  std::memset(memory, 0xCD, kBefore + c->size); // because Max does not set the memory to zero
   std::memcpy(memory, &object, sizeof object);
   object->memory = memory + kBefore;
   object->header()->z_ob = {nullptr, kMagic, nullptr, nullptr};
@@ -296,12 +296,12 @@ t_max_err object_free(void* x) {
   return 0;
 }
 
-t_max_err object_obex_store(void* x, t_symbol*, t_object* outlet) { // of dumpout alone
+t_max_err object_obex_store(void* x, t_symbol*, t_object* outlet) { // supports only dumpout
   const ApiCall api("object_obex_store", kMain);
   require_object(x, "object_obex_store")->dumpout = require<Outlet>(outlet, "object_obex_store");
   return 0;
 }
-t_max_err object_obex_lookup(void* x, t_symbol*, t_object** value) { // of the patcher alone
+t_max_err object_obex_lookup(void* x, t_symbol*, t_object** value) { // supports only the patcher
   const ApiCall api("object_obex_lookup");
   require_object(x, "object_obex_lookup");
   *value = patcher();

@@ -36,7 +36,7 @@ std::vector<t_atom> to_atoms(Words words) {
   return atoms;
 }
 
-/// "constant V", "sine HZ AMPLITUDE", "file FLOAT64"; "none".
+/// Reads "constant V", "sine HZ AMPLITUDE", "file FLOAT64" or "none".
 Source make_source(Words words) {
   const std::string& kind = words[0];
   if (kind == "none")
@@ -95,7 +95,8 @@ void describe_box(Words w) {
                assist_text(object, ASSIST_OUTLET, static_cast<long>(i)));
 }
 
-/// Until a line that contains the word is printed; workers of an object take their own time.
+/// Waits until a line that contains the word is printed, because an object's worker threads take
+/// their time.
 void wait_for(Words w) {
   std::vector<std::string> lines;
   bool found = false;
@@ -124,7 +125,7 @@ void run_vectors(Words w) {
 
 struct Command {
   std::string_view name;
-  std::size_t words; ///< at least
+  std::size_t words; ///< minimum number of words
   void (*run)(Words);
 };
 constexpr std::array kCommands{

@@ -1,4 +1,4 @@
-// Messages of two threads while a third performs: for the sanitizers.
+// Sends messages from two threads while a third performs, for the sanitizers.
 #include "max/stub/stub.hpp"
 
 #include <stdexcept>
@@ -6,13 +6,13 @@
 
 namespace tactus::stub {
 namespace {
-constexpr int kMinRounds = 10; // of each thread's messages
+constexpr int kMinRounds = 10; // minimum rounds of each thread's messages
 using Calls = std::vector<std::function<void()>>;
 } // namespace
 
 void run_threads(std::uint64_t vectors, std::span<const std::vector<std::string>> lines) {
   Calls of_main,
-      of_scheduler; // looked up before, so that nothing but the external orders the threads
+      of_scheduler; // prepared, so that only the external synchronises the threads
   for (const auto& line : lines)
     (line[0] == "main" ? of_main : of_scheduler)
         .push_back(prepare(line.at(1), Words(line).subspan(2)));

@@ -12,7 +12,7 @@ struct Timer : Record {
   using Record::Record;
   void* argument = nullptr;
   method function = nullptr;
-  double due_ms = 0; ///< of a clock
+  double due_ms = 0; ///< time at which a clock is due
   void run() const {
     Call call{.where = Where::kClock, .object = owner};
     run_external(call, [&] { function(argument); });
@@ -28,10 +28,10 @@ struct Qelem : Timer {
   std::atomic<bool> set{false};
 };
 std::mutex timers_mutex;
-std::vector<Clock*> armed; // in the order of their setting
+std::vector<Clock*> armed; // in the order in which they were set
 std::deque<Qelem*> waiting;
 std::atomic<double> time_ms{0};
-constinit thread_local double due_time = -1; // of the clock that runs, else < 0
+constinit thread_local double due_time = -1; // due time of the running clock, else below 0
 std::recursive_mutex critical_region;
 
 template <class T> T* make_timer(const char* name, void* argument, method function) {
@@ -42,7 +42,7 @@ template <class T> T* make_timer(const char* name, void* argument, method functi
   timer->function = function;
   return timer;
 }
-/// The clock that is due first, no longer armed, and when it was due, ms.
+/// Removes the clock that is due first from `armed`, and returns it with its due time in ms.
 std::pair<const Clock*, double> next_due(double until_ms) {
   const std::lock_guard lock(timers_mutex);
   const auto next =
@@ -83,7 +83,7 @@ void advance_clocks(double until_ms) {
 void run_low_priority() {
   const Role before = current_role();
   set_role(kMain);
-  for (int left = 1000; left > 0; --left) // one that sets itself again must not stop the host
+  for (int left = 1000; left > 0; --left) // a clock that sets itself again must not stop the host
     if (const Qelem* next = next_waiting())
       next->run();
   set_role(before);

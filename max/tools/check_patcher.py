@@ -1,8 +1,9 @@
 """Looks for mistakes in a patcher before Max sees it.
 
-Cords between boxes that there are; signals into signal inlets alone; no control fan-out without [t], but from
-attrui, whose order does not matter; attributes and messages that the declaration has; whole numbers within 32
-bits; boxes that overlap; text that its box cuts off. Not checked: whether Max accepts the file.
+It checks that cords join existing boxes; that signals enter only signal inlets; that a control fan-out has a [t],
+except from attrui, whose order does not matter; that the declaration has all attributes and messages; that whole
+numbers fit 32 bits; that boxes do not overlap; and that no box cuts off its text. Not checked: whether Max accepts the
+file.
 """
 import re
 
@@ -41,7 +42,7 @@ def own_declaration(box):
 
 
 def check_words(patcher):
-    """Attributes in our objects' boxes, attrui's, and what messages wired to them say."""
+    """Checks attributes in our objects' boxes and in attrui, and the messages that are wired to our objects."""
     for box in patcher.boxes:
         if d := own_declaration(box):
             known = {p["name"] for p in d["parameters"]} | {m["name"] for m in d["messages"]}
@@ -75,7 +76,7 @@ def _message_words(d, text):
 
 
 def check_integers(patcher):
-    """A whole number beyond 32 bits in a text depends on how wide the system's C long is."""
+    """Finds whole numbers beyond 32 bits in texts, whose value depends on the width of the system's C long."""
     for box in patcher.boxes:
         if box.maxclass in ("newobj", "message"):
             for word in re.split(r"[\s,;]+", box.text):
@@ -116,7 +117,7 @@ RULES = (check_cords, check_fan_out, check_words, check_integers, check_position
 
 
 def check(patcher, where="patcher"):
-    """Every finding about a patcher and those within."""
+    """All findings about a patcher and its subpatchers."""
     findings = [f"{where}: {finding}" for rule in RULES for finding in rule(patcher)]
     for box in patcher.boxes:
         if box.patcher:

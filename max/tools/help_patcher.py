@@ -1,4 +1,4 @@
-"""Makes NAME.maxhelp: the example of the Pd help patch, and tabs that the declaration fills.
+"""Makes NAME.maxhelp from the example of the Pd help patch and from tabs with the declaration's texts.
 
 The tabs: the example; every parameter as an attrui; every message; inlets and outlets. A tab is a
 subpatcher with `showontab` in a patcher that shows its subpatchers as tabs.
@@ -12,7 +12,7 @@ WIDTH = 780
 LEFT = 16
 TITLE_COLOUR = [0.184, 0.31, 0.373, 1.0]
 WHITE = [1.0, 1.0, 1.0, 1.0]
-MORE_ROWS = 24  # rows of a column of attributes
+MORE_ROWS = 24  # rows in a column of attributes
 
 
 def number(value):
@@ -36,7 +36,7 @@ def initial_text(p):
 
 
 def ports_of(declaration, side):
-    """The declared ports as the Max box has them: a message inlet, and the info outlet at the right."""
+    """The declared ports as the Max box has them, with a message inlet, and with the info outlet at the right."""
     listed = list(declaration[side])
     if side == "outlets" and "info" not in (p["name"] for p in listed):
         listed.append({"kind": "control", "name": "info", "unit": "",
@@ -45,7 +45,7 @@ def ports_of(declaration, side):
 
 
 def paragraph(patcher, text, x, y, width, **extra):
-    """A comment as high as its text; returns where the next thing may begin."""
+    """Adds a comment as high as its text; returns the y below it."""
     size = extra.get("fontsize", text_size.FONT_SIZE)
     bold = extra.get("fontface") == 1
     wide, _ = text_size.box_size(text, "comment", width, size, bold)
@@ -59,7 +59,7 @@ def title(patcher, declaration, subtitle=None):
 
 
 def example_tab(pd_path, declaration, names, abstractions, without):
-    """The Pd help patch under a title and the declaration's paragraph, and the name its [r] listens to."""
+    """The Pd help patch below a title and the declaration's paragraph, and the name to which its [r] listens."""
     tab = Patcher(WIDTH, 0, tab=True)
     y = title(tab, declaration)
     y = paragraph(tab, declaration["description"], LEFT, y, WIDTH - 2 * LEFT)
@@ -80,7 +80,7 @@ def listening_name(patcher, object_name):
 
 
 def attribute_tab(declaration, listener):
-    """One attrui a parameter, wired to an object of its own and sent to the example's."""
+    """One attrui per parameter, connected to an object in this tab and sent to the example's object."""
     tab = Patcher(WIDTH, 0, tab=True)
     y = title(tab, declaration, "attributes")
     text = (f"Type them with @ in the box ({declaration['name']} @{declaration['parameters'][0]['name']} "
@@ -114,7 +114,7 @@ def _info_to_console(tab, instance, declaration):
 
 
 def message_tab(declaration, listener):
-    """Every message; one that needs no argument is a message box that can be clicked."""
+    """All messages. A message that needs no argument is a message box to click."""
     tab = Patcher(WIDTH, 0, tab=True)
     y = title(tab, declaration, "messages") + 6
     clickable = []

@@ -1,8 +1,8 @@
-"""Moves boxes that were placed for Pd's font to where Max's larger boxes do not overlap.
+"""Moves boxes that were placed for Pd's font, so that Max's larger boxes do not overlap.
 
-Every box has a place in the Pd patch (`pd`: x, y, width, height). Rows of the same y stay rows, columns
-of the same x stay columns; a row is only pushed as far down as the boxes above it need, and long gaps
-shrink. A panel and what lies on it are laid out by themselves and then placed as one block.
+Every box has a place in the Pd patch (`pd`: x, y, width, height). Rows of the same y stay rows, columns of the same x
+stay columns; a row is only pushed as far down as the boxes above it need, and long gaps shrink. A panel and the boxes
+on it are laid out first and then placed as one block.
 """
 SCALE_X = 1.12
 ROW = 5  # Pd pixels within which boxes belong to one row
@@ -40,7 +40,7 @@ class Block:
 
 
 def gap_below(upper, lower, joined):
-    """Pixels between two boxes; more where a cord between them has a long way to the side."""
+    """Pixels between two boxes; more if a cord between them runs far to the side."""
     if joined:
         return 14 + min(24, 0.06 * abs(upper.x - lower.x))
     kinds = (upper.maxclass, lower.maxclass)
@@ -67,7 +67,7 @@ def rows_of(boxes):
 
 
 def arrange(boxes, cords, top):
-    """Sets x and y of all boxes of one group; top is where the first row may begin."""
+    """Sets x and y of all boxes of one group; the first row may begin at y = top."""
     joined = {(id(s), id(d)) for s, _, d, _, _ in cords}
     rows = rows_of(boxes)
     for row in rows:
@@ -86,7 +86,7 @@ def arrange(boxes, cords, top):
                            for above in done if (id(above), id(box)) in joined
                            or above.x < box.right + 2 and box.x < above.right + 2])
         small = [b.height for b in row if b.height <= 24]
-        for box in row:  # small things of one row share their middle line
+        for box in row:  # small boxes of one row share their middle line
             box.y = round(y + (max(small) - box.height) / 2 if box.height <= 24 else y)
         done += row
         previous = (y, here)
@@ -100,7 +100,7 @@ def arrange_all(boxes, panels, cords, top):
         for box in boxes:
             if x - 2 <= box.pd[0] and box.pd[0] + 4 <= x + w and y - 2 <= box.pd[1] and box.pd[1] + 4 <= y + h:
                 owner.setdefault(id(box), panel)
-    for box in boxes:  # what is wired to the outside alone does not belong to the panel
+    for box in boxes:  # a box that is wired only to boxes outside does not belong to the panel
         wired = [o for c in cords for o in ((c[2],) if c[0] is box else (c[0],) if c[2] is box else ())]
         if wired and id(box) in owner and all(owner.get(id(o)) is not owner[id(box)] for o in wired):
             del owner[id(box)]

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Makes the Max package: one folder, and a zip of it that is the same for the same content.
+"""Makes the Max package: one folder, and a zip of it. Equal content gives an equal zip.
 
     make_package.py --declarations declarations.json --version 0.1.0 --output FOLDER
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
-FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, docs/ (the guides with their pictures), patchers/, init/ (the list of objects) and media/: from
-the staged Pd library (--library) the bodies and networks that patchers load; Max looks there for files. What is
-missing is said, and left out. There is no zip where check_patcher.py finds a mistake.
+FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/, docs/refpages/, docs/
+(the guides with their pictures), patchers/, init/ (the list of objects) and media/. media/, in which Max looks for
+files, contains the bodies and networks that patchers load, from the staged Pd library (--library). The script reports
+missing files and leaves them out. If check_patcher.py finds a mistake, no zip is written.
 """
 import argparse
 import json
@@ -28,12 +28,13 @@ OWN = ROOT / "max" / "package"
 NAME = "tactus"
 ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
-# The patches that stand in patchers/, in the order in which they use each other.
+# The patches in patchers/; each one follows the patches that it uses.
 ABSTRACTIONS = ("reed_sigma", "reed_point", "reed_difference", "reed_force", "reed_choice", "reed_guide")
 PATCHES = [ROOT / "patches" / "reed" / f"{name}.pd" for name in (*ABSTRACTIONS, "reed_haptic")] + [
     ROOT / "patches" / "haptic" / "struck_disk.pd"]
 DRAWN = "Pd draws its cells by data structures"
-# What of a Pd patch has no equivalent in Max: {patch: {object, label, or beginning of a text or sentence: reason}}.
+# The parts of Pd patches that have no equivalent in Max: {patch: {object, label, or beginning of a text or sentence:
+# reason}}.
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
     "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "Bright areas of the map": "",
@@ -62,13 +63,13 @@ def systems_of(externals):
 
 
 def help_source(name):
-    """The Pd help patch, or the one drawn for Max where Pd's uses what Max has not."""
+    """The Pd help patch, or the patch drawn for Max if Pd's uses objects that Max lacks."""
     own = OWN / "sources" / f"{name}-help.pd"
     return own if own.exists() else ROOT / "help" / f"{name}-help.pd"
 
 
 def patchers(declarations):
-    """File name -> patcher, of those in patchers/ and help/."""
+    """A dictionary from file name to patcher, for patchers/ and help/."""
     sources = {d["name"]: help_source(d["name"]) for d in declarations}
     names = pd_to_max.Names([pd_to_max.read(path, ABSTRACTIONS) for path in [*sources.values(), *PATCHES]])
     made = {}
@@ -96,7 +97,7 @@ def copy_externals(folder, source):
 
 
 def copy_data(folder, library):
-    """Bodies, stress tables and networks, under the names that patchers ask for."""
+    """Copies bodies, stress tables and networks under the names that patchers use."""
     copied = 0
     for path in sorted(library.rglob("*")) if library else []:
         if path.suffix == ".npz" or path.suffix == ".txt" and path.parent != library:
@@ -108,7 +109,7 @@ def copy_data(folder, library):
 
 
 def copy_guides(package):
-    """The guides, with their pictures, under the paths by which help patchers and each other name them."""
+    """Copies the guides and their pictures to the paths by which help patchers and guides refer to them."""
     for path in sorted((ROOT / "docs").rglob("*")):
         if path.suffix in (".md", ".png", ".svg"):
             target = package / path.relative_to(ROOT)
@@ -117,7 +118,7 @@ def copy_guides(package):
 
 
 def missing_guides(package):
-    """Findings: guides that a text of a patcher or of a reference page names and the package does not hold."""
+    """Guides that a patcher's text or a reference page names but the package lacks."""
     findings = []
     for path in sorted(p for p in package.rglob("*") if p.suffix in (".maxhelp", ".maxpat", ".xml")):
         for guide in set(re.findall(r"docs/[\w/]+\.md", path.read_text(encoding="utf-8"))):
@@ -127,7 +128,7 @@ def missing_guides(package):
 
 
 def missing_files(package):
-    """Tables and texts that a patcher loads and the package does not hold."""
+    """Tables and texts that a patcher loads but the package lacks."""
     named = set()
     for path in list(package.rglob("*.maxhelp")) + list(package.rglob("*.maxpat")):
         named |= set(re.findall(r"[a-z_]+\.(?:modal|stress)\.npz|networks/\w+\.txt", path.read_text(encoding="utf-8")))
@@ -135,7 +136,7 @@ def missing_files(package):
 
 
 def write_zip(package, path):
-    """Sorted names, one time, one mode: the same folder gives the same bytes."""
+    """Writes the zip with sorted names, one time and one mode, so that the same folder gives the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for file in sorted(p for p in package.rglob("*") if p.is_file()):
             entry = zipfile.ZipInfo((pathlib.Path(NAME) / file.relative_to(package)).as_posix(), ZIP_TIME)

@@ -1,8 +1,8 @@
-"""What this package's patchers use of Max: each object's inlets and outlets, and those of our own.
+"""The objects of Max that this package's patchers use, and our own, with their inlets and outlets.
 
-An inlet is "control", or "both" where it takes a signal as well. An outlet is "signal", or the type of
-message as a saved patcher's `outlettype` names it: "bang", "int", "float", "list" or "" for any.
-Learned from patchers that Max saved, as committed facts: an object that is not here is an error, never a guess.
+An inlet is "control", or "both" if it also takes a signal. An outlet is "signal", or the type of message as a saved
+patcher's `outlettype` names it: "bang", "int", "float", "list" or "" for any. The tables come from patchers that Max
+saved. An object that is not in them is an error, never a guess.
 """
 import itertools
 import json
@@ -48,12 +48,12 @@ ALIASES = {"s": "send", "r": "receive", "f": "float", "i": "int", "t": "trigger"
 ARITHMETIC = ("+", "-", "*", "/", "%", "==", "minimum", "maximum")
 TRIGGER_TYPES = {"b": "bang", "i": "int", "f": "float", "l": "", "s": ""}
 
-_declared = {}  # name: declaration
-_patchers = {}  # an abstraction of the package: (inlets, outlets)
+_declared = {}  # declaration by name
+_patchers = {}  # (inlets, outlets) by name of the package's abstraction
 
 
 def declare(declarations):
-    """Makes our objects known: the list that tactus_describe prints."""
+    """Registers our objects from the list that tactus_describe prints."""
     _declared.clear()
     _declared.update({d["name"]: d for d in declarations})
 
@@ -62,7 +62,7 @@ def declaration(name):
     return _declared.get(name)
 
 
-# What every object takes beside its declared messages.
+# Messages that every object takes besides its declared ones.
 COMMON_MESSAGES = [
     {"name": "get", "arguments": "[name ...]", "fewest": 0, "most": 64,
      "text": "send the named lines of dump, or all parameters, to the info outlet"},
@@ -71,19 +71,19 @@ COMMON_MESSAGES = [
 
 
 def messages(d):
-    """Of a declared object, with those of every object."""
+    """The messages of a declared object, with the common ones."""
     own = {m["name"] for m in d["messages"]}
     return d["messages"] + [m for m in COMMON_MESSAGES if m["name"] not in own]
 
 
 def declare_patcher(name, ports):
-    """Makes an abstraction known by the ports of its patcher."""
+    """Registers an abstraction with the ports of its patcher."""
     _patchers[name] = ports
 
 
 def own_ports(d):
-    """A declared object: at least one inlet for messages; an info outlet at the right end. The first
-    inlet of an object that processes audio takes signals and messages, as all signal inlets do."""
+    """The ports of a declared object, with at least one inlet for messages and an info outlet at the right end. The
+    first inlet of an object that processes audio takes signals and messages, as all signal inlets do."""
     inlets = [S if p["kind"] == "signal" else C for p in d["inlets"]] or [C]
     outlets = ["signal" if p["kind"] == "signal" else "" for p in d["outlets"]]
     if "info" not in (p["name"] for p in d["outlets"]):
@@ -96,7 +96,7 @@ def words(text):
 
 
 def ports(maxclass, text=None):
-    """(inlets, outlets) of a box; KeyError with the name if it is none of ours and not in the table."""
+    """(inlets, outlets) of a box; KeyError with its name if it is neither ours nor in the tables."""
     if maxclass != "newobj":
         return INTERFACE[maxclass]
     arguments = words(text)

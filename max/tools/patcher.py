@@ -1,8 +1,8 @@
 """A Max patcher as Python objects, and the JSON that Max reads.
 
-What a .maxpat holds was learned from patchers that Max saved: a patcher has boxes and lines; a box has
-an id, a maxclass, a rectangle and its numbers of inlets and outlets; a subpatcher is the `patcher` of
-a box whose text is `p NAME`; a tab of a help patcher is a subpatcher with `showontab`.
+The format is known from patchers that Max saved. A patcher has boxes and lines; a box has an id, a maxclass, a
+rectangle and its numbers of inlets and outlets; a subpatcher is the `patcher` of a box whose text is `p NAME`; a tab of
+a help patcher is a subpatcher with `showontab`.
 """
 import json
 
@@ -14,13 +14,13 @@ WINDOW_TITLE = 26.0  # a tab begins below the row of tabs
 
 
 class Box:
-    """One box. `ports` is (signal or control of each inlet, type of each outlet)."""
+    """One box. `ports` is (kinds of the inlets, types of the outlets)."""
 
     def __init__(self, maxclass, text=None, x=0.0, y=0.0, width=None, height=None, ports=None, **extra):
         self.maxclass, self.text, self.extra = maxclass, text, dict(extra)
         self.x, self.y = float(x), float(y)
         self.patcher = None
-        self.name = None  # "obj-N" once its patcher is written
+        self.name = None  # "obj-N", set when its patcher is written
         self.inlets, self.outlets = ports or max_objects.ports(maxclass, text)
         if text is not None and maxclass in ("newobj", "message", "comment"):
             size = self.extra.get("fontsize", text_size.FONT_SIZE)
@@ -97,7 +97,7 @@ class Patcher:
         return box
 
     def ports(self):
-        """Inlets and outlets of the subpatcher box: its inlet and outlet boxes from left to right."""
+        """Inlets and outlets of the subpatcher box, from the inlet and outlet boxes within, left to right."""
         inlets = sorted((b for b in self.boxes if b.maxclass == "inlet"), key=lambda b: b.x)
         outlets = sorted((b for b in self.boxes if b.maxclass == "outlet"), key=lambda b: b.x)
         signal = {id(d) for s, o, d, _, _ in self.cords if s.outlets[o] == "signal"}
@@ -105,7 +105,7 @@ class Patcher:
                 ["signal" if id(b) in signal else "" for b in outlets])
 
     def fit(self, margin=16):
-        """Makes the window as large as what it shows."""
+        """Makes the window as large as its content."""
         shown = [b for b in self.boxes if not b.hidden]
         if shown:
             self.width = max(self.width, max(b.right for b in shown) + margin)

@@ -6,8 +6,8 @@ HIDDEN_NAME = 8  # a flag of an array
 
 
 class PdBox:
-    """One numbered thing of a canvas: `kind` (obj, msg, text, floatatom, canvas, array...), where it is,
-    its words and the canvas inside it."""
+    """One numbered element of a canvas: `kind` (obj, msg, text, floatatom, canvas, array...), its position, its words
+    and the canvas inside it."""
 
     def __init__(self, kind, x, y, words, chars=0, canvas=None):
         self.kind, self.x, self.y, self.words, self.chars, self.canvas = kind, x, y, words, chars, canvas
@@ -27,7 +27,7 @@ class PdCanvas:
     def __init__(self, name, width, height, font=12):
         self.name, self.width, self.height, self.font = name, width, height, font
         self.boxes, self.cords, self.arrays, self.coordinates = [], [], [], None
-        self.hidden_names = set()  # of arrays whose graph does not show them
+        self.hidden_names = set()  # names of arrays that their graph does not show
 
 
 def records(text):
@@ -39,7 +39,7 @@ def records(text):
 
 
 def words_of(text):
-    """Words split at blanks that no backslash precedes; `f 22` behind a comma is the box's width."""
+    """Words split at blanks that no backslash precedes; `f 22` after a comma is the box's width."""
     chars = 0
     if found := re.search(r"(?<!\\), f (\d+)\s*$", text):
         chars, text = int(found.group(1)), text[:found.start()]
@@ -53,7 +53,7 @@ def plain(word):
 
 
 def read(path, own=None):
-    """The outermost canvas. `own` stands for $0, the number that makes a patch's names its own."""
+    """The outermost canvas. `own` replaces $0, the number that makes a patch's names unique."""
     stack, root = [], None
     text = path.read_text()
     for record in records(text.replace("\\$0", own) if own else text):

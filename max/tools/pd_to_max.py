@@ -1,9 +1,9 @@
 """Converts a Pd patch of this package into a Max patcher.
 
-The netlist is kept: the same objects (pd_vocabulary.py), the same cords. What Max does differently:
-it orders a fan-out by position, so every control outlet with several cords gets a [t]; its sliders keep
-no names, so pd_widgets.py adds [r] and [s]; arrays become scope~ and multislider. A Pd object without an
-equivalent ends the conversion with its name, unless the caller lists it, with the reason, in `without`.
+Objects (pd_vocabulary.py) and cords stay the same, with these differences. Max orders a fan-out by position, so every
+control outlet with several cords gets a [t]. Max's sliders have no send and receive names, so pd_widgets.py adds [r]
+and [s]. Arrays become scope~ and multislider. If a Pd object has no equivalent, the conversion ends with its name,
+unless the caller lists it, with the reason, in `without`.
 """
 import re
 
@@ -16,15 +16,15 @@ from pd_file import plain
 from pd_vocabulary import NoEquivalent, decimal, message_text, object_text
 
 TRIGGER = {"bang": "b", "int": "i", "float": "f"}
-PURE = ("metro", "loadbang", "f", "+", "%", "t", "message", "r", "sel")  # left out when nothing hears it
+PURE = ("metro", "loadbang", "f", "+", "%", "t", "message", "r", "sel")  # left out if nothing receives their output
 
 
 class Names:
-    """Names that somebody sends to, and names that somebody receives, over all patches of a set."""
+    """The send and receive names in all patches of a set."""
 
     def __init__(self, canvases):
         self.sent, self.received, self.arrays = set(), set(), {}
-        self.only_scopes = set()  # what they send is heard by [tabwrite~] alone, which a scope~ needs not
+        self.only_scopes = set()  # only [tabwrite~] receives them, which a scope~ does not need
         for canvas in canvases:
             self._collect(canvas)
         self.only_scopes -= self.received
@@ -63,7 +63,7 @@ class Converter:
     def __init__(self, where, names, abstractions=(), without=None, top=20):
         self.where, self.names, self.abstractions = where, names, abstractions
         self.without, self.top = without or {}, top
-        self.left_out = []  # (object, reason) of what was left out, for the reader
+        self.left_out = []  # (object, reason) for each object left out, to report to the reader
 
     def convert(self, canvas, top=None, patcher=None):
         work = _Canvas(self, canvas, patcher or Patcher(0, 0))
@@ -83,7 +83,7 @@ class Converter:
         return False
 
     def shortened(self, text):
-        """The text without the sentences that the caller left out by their beginning."""
+        """The text without the sentences whose beginnings are in `without`."""
         for name in self.without:
             if " " in name and (start := text.find(name)) > 0:
                 end = text.find(". ", start)
@@ -92,7 +92,7 @@ class Converter:
 
 
 class _Canvas:
-    """One canvas on its way."""
+    """One canvas during its conversion."""
 
     def __init__(self, converter, canvas, patcher):
         self.converter, self.canvas, self.patcher = converter, canvas, patcher
@@ -246,7 +246,7 @@ class _Canvas:
             text = object_text(pd_box.words, self.converter.abstractions)
             if text == "prepend 0" and any(b.name == "s" and b.words[1] in self.converter.names.arrays
                                            for b in self.canvas.boxes):
-                text = "t l"  # where an array begins to be written; a multislider takes the list alone
+                text = "t l"  # drops the index at which writing begins, since a multislider takes only the list
             box = Box("newobj", text)
             ports = max(len(box.inlets), len(box.outlets))
             wanted = pd_box.chars * 7.6 if pd_box.chars else 0
@@ -267,7 +267,7 @@ class _Canvas:
             self.patcher.add(label)
 
     def _high_pass(self, index, pd_box):
-        """hip~ is the signal less its low-pass of the same corner."""
+        """Converts hip~ to the signal minus its low-pass with the same corner frequency."""
         low = Box("newobj", f"onepole~ {pd_box.words[1]}.")
         low.pd = (pd_box.x + 24, pd_box.y, 80, 19)
         self.patcher.add(low)
@@ -279,8 +279,8 @@ class _Canvas:
         difference.low_pass = low
 
     def _select(self, index, pd_box):
-        """Max's sel ignores floats. Whole numbers become integers before it; what calculates gives floats,
-        for which sel has an attribute."""
+        """Max's sel ignores floats. Whole numbers become integers before sel. Objects that calculate give floats, for
+        which sel has an attribute."""
         sources = [self.canvas.boxes[s] for s, _, d, _ in self.canvas.cords if d == index]
         numbers = [plain(w) for w in pd_box.words[1:]]
         if any(s.name == "expr" or s.name == "f" and len(s.words) > 1 and "$" in s.words[1] for s in sources):
@@ -301,7 +301,7 @@ class _Canvas:
             if s not in self.made or d not in self.made:
                 if s in self.made:
                     self.dropped.append(self.made[s][1])
-                continue  # an end was left out, with a reason
+                continue  # one end was left out, with a reason
             source, destination, swapped = self.made[s][1], self.made[d][0], self.made[d][2]
             pd_target = self.canvas.boxes[d]
             if pd_target.name == "s" and pd_target.words[1] in self.converter.names.only_scopes:
@@ -321,7 +321,7 @@ class _Canvas:
         self._prune()
 
     def _prune(self):
-        """Takes away what only drove a tabwrite: scope~ and multislider need no metro."""
+        """Removes objects that only drove a tabwrite, since scope~ and multislider need no metro."""
         waiting = list(self.dropped)
         while waiting:
             box = waiting.pop()
@@ -334,7 +334,8 @@ class _Canvas:
             self.patcher.boxes.remove(box)
 
     def order_fan_outs(self):
-        """[t] after each control outlet with several cords; Pd's first cord is its rightmost outlet."""
+        """Inserts [t] after each control outlet with several cords; Pd's first cord becomes the rightmost outlet of
+        [t]."""
         groups = {}
         for widget in self.widgets:
             if (widget.sends or widget.after) and any(c[0] is widget.box for c in self.patcher.cords):
@@ -359,7 +360,7 @@ class _Canvas:
         for i, (_, _, destination, inlet, hidden) in enumerate(cords):
             self.patcher.connect(box, len(cords) - 1 - i, destination, inlet, hidden)
 
-    # -- places -----------------------------------------------------------------------------------
+    # -- positions --------------------------------------------------------------------------------
 
     def arrange(self, top):
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
@@ -375,12 +376,12 @@ class _Canvas:
 
 
 def read(path, abstractions=()):
-    """A Pd file whose own names begin with the file's name: in Max #0 is a number in abstractions only."""
+    """A Pd file whose own names begin with the file's name: in Max, #0 is a number only in abstractions."""
     return pd_file.read(path, "#0" if path.stem in abstractions else path.stem.removesuffix("-help"))
 
 
 def convert_file(path, names, abstractions=(), without=None, top=20, patcher=None):
-    """The patcher of a Pd file, and what was left out of it with the reasons."""
+    """The patcher of a Pd file, and the objects that were left out, with the reasons."""
     converter = Converter(path, names, abstractions, without, top)
     converter.root = read(path, abstractions)
     result = converter.convert(converter.root, patcher=patcher)

@@ -1,4 +1,4 @@
-"""Which Max object does what a Pd object does, and how its words change. What is not here is an error."""
+"""Maps Pd objects and their words to Max objects. An object that is not in the tables is an error."""
 import re
 
 import max_objects
@@ -9,7 +9,7 @@ class NoEquivalent(Exception):
     """A Pd object that no Max object of the table replaces."""
 
 
-# Same behaviour under another name, or under its own.
+# Objects with the same behaviour, under another or the same name.
 RENAMED = {
     "osc~": "cycle~", "lop~": "onepole~", "r": "r", "s": "s", "r~": "receive~", "s~": "send~",
     "receive": "r", "send": "s", "del": "delay", "delay": "delay", "mod": "%", "sel": "sel",
@@ -19,10 +19,10 @@ RENAMED = {
                                "metro", "timer", "line", "print", "change", "clip", "mtof", "notein",
                                "stripnote", "int", "+", "-", "*", "/", "==", "pack", "unpack", "route")},
 }
-# Max calculates with integers where an argument is an integer: these take decimal points.
+# Max calculates with integers if an argument is an integer, so the arguments of these objects get decimal points.
 DECIMAL = {"+", "-", "*", "/", "minimum", "maximum", "clip", "f", "line", "pack", "unpack", "*~", "+~",
            "-~", "sig~", "clip~", "cycle~", "onepole~"}
-COUNTERS = {"%"}  # of whole numbers in Max as in Pd
+COUNTERS = {"%"}  # objects for whole numbers in both Max and Pd
 ELEMENTS = {"f": "0.", "float": "0.", "s": "s", "symbol": "s"}
 
 
@@ -61,7 +61,7 @@ def expression(text):
 
 
 def _call(text, position):
-    """The arguments of a call from behind its bracket, and where it ends."""
+    """The arguments of a call, read from behind its bracket, and the position of its end."""
     parts, depth, start = [], 0, position
     while True:
         c = text[position]
@@ -78,14 +78,14 @@ def _call(text, position):
 
 
 def own_object(name, words):
-    """One of ours: -flag value becomes @flag value where the flag is a parameter."""
+    """The text of one of our objects: -flag value becomes @flag value if the flag is a parameter."""
     parameters = {p["name"] for p in max_objects.declaration(name)["parameters"]}
     return " ".join([name] + [f"@{w[1:]}" if w.startswith("-") and w[1:] in parameters else number_of(w)
                               for w in words])
 
 
 def object_text(words, abstractions=()):
-    """The Max text of a Pd object, or NoEquivalent. Its inlets stay in their order, but for spigot."""
+    """The Max text of a Pd object; raises NoEquivalent if there is none. The inlets stay in order, except for spigot."""
     words = [plain(w) for w in words]
     name, arguments = words[0], [_argument_of_abstraction(w) for w in words[1:]]
     if max_objects.declaration(name):
@@ -116,7 +116,7 @@ def _list_object(arguments):
     if arguments[:1] in ([], ["append"]):
         return " ".join(["zl.join"] + arguments[1:])
     if arguments[0] == "trim":
-        return "t l"  # Max has no list selector to take off
+        return "t l"  # Max has no list selector to remove
     if arguments[0] == "prepend":
         return " ".join(["prepend"] + arguments[1:])
     raise NoEquivalent("list " + " ".join(arguments))
@@ -134,7 +134,7 @@ def message_text(words, to_vline=False):
         raise NoEquivalent("message to Pd itself: " + text)
     text = re.sub(r"\s+,\s*", ", ", text)
     first, *addressed = re.split(r"\s*;\s*", text.strip())
-    parts = []  # a comma behind a receiver: the same receiver again
+    parts = []  # after a comma, the receiver stays the same
     for words_to in addressed:
         name = words_to.split(" ")[0]
         commands = words_to.split(", ")
@@ -146,7 +146,8 @@ def message_text(words, to_vline=False):
 
 
 def ramps(text):
-    """vline~'s `value time delay` steps as one list of line~, whose delays are ramps that hold."""
+    """Converts vline~'s `value time delay` steps to one list for line~, in which ramps to the same value replace
+    delays."""
     steps = [[float(w) for w in step.split()] for step in text.split(",")]
     if all(len(step) < 3 for step in steps):
         return text

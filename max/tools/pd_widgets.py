@@ -1,4 +1,4 @@
-"""Pd's interface objects as Max's: what is on the screen, and the named wires that Pd keeps in them.
+"""Converts Pd's interface objects to Max's: their appearance, and the names to which they send and listen.
 
 A Pd slider sends to a name and receives from one. In Max these are [s] and [r] boxes; they stand in
 columns at the right of the window, hidden while the patcher is locked.
@@ -11,17 +11,18 @@ from pd_file import plain
 
 COLUMN = 190
 NOTHING = "empty"
-# Where the name stands to which a Pd object sends; behind it are the name that it receives, a label and its place.
+# The index of the name to which a Pd object sends. After it follow the name that it receives, a label and the label's
+# position.
 SENDS = {"bng": 5, "tgl": 3, "hsl": 7, "vsl": 7, "nbx": 7, "vradio": 5, "hradio": 5}
 BAR = 36  # a cnv no higher than this is a heading
 
 
 class Widget:
-    """A Max box, what stands beside it, and its wiring."""
+    """A Max box, the boxes beside it, and their cords."""
 
     def __init__(self, box, sends=None, receives=None, before=(), after=(), receiver="r"):
         self.box, self.sends, self.receives, self.receiver = box, sends, receives, receiver
-        self.same_name = sends is not None and sends == receives  # set without an output, or it loops
+        self.same_name = sends is not None and sends == receives  # the box is then set without output, to avoid a loop
         self.before, self.after = before, after  # texts of objects between the names and the box
         self.labels = []
 
@@ -32,7 +33,7 @@ def colour(word):
 
 
 def reworded(text):
-    """A text of a Pd patch in Max's words."""
+    """A text of a Pd patch with Max's terms."""
     for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
                                 ("see the log", "see the Max console"), ("in the log", "in the console"),
                                 ("[netreceive]", "[udpreceive]"),
@@ -42,7 +43,7 @@ def reworded(text):
 
 
 def widget(box, x, y, width, height, words, before=(), after=()):
-    """The box in place of a Pd object of these words, with a comment in place of the label beside, above or below it."""
+    """The box that replaces a Pd object with these words, and a comment that replaces its label."""
     at = SENDS[words[0]]
     sends, receives, label = (None if word == NOTHING else plain(word) for word in words[at:at + 3])
     box.pd = (x, y, width, height)
@@ -66,7 +67,7 @@ def toggle(x, y, words):
 
 
 def slider(x, y, words):
-    """hsl and vsl. Max's slider is linear: a logarithmic one gets expressions on both sides."""
+    """hsl and vsl. Max's slider is linear: a logarithmic slider gets expressions on both sides."""
     across = words[0] == "hsl"
     width, height, low, high = int(words[1]), int(words[2]), float(words[3]), float(words[4])
     shape, before, after = dict(min=low, size=high - low), (), ()
@@ -99,7 +100,7 @@ def number_atom(pd_box):
 
 
 def menu(x, y, words, texts):
-    """A column of radio buttons and the texts beside it become a menu that gives the same numbers."""
+    """Converts a column of radio buttons and the texts beside it to a menu that outputs the same numbers."""
     pitch, count = int(words[1]), int(words[4])
     upright = words[0] == "vradio"
     items, used = [], []
@@ -119,7 +120,7 @@ def menu(x, y, words, texts):
 
 
 def panel(x, y, words):
-    """cnv: a coloured area, and its label as a comment on it."""
+    """Converts cnv to a coloured area with its label as a comment on it."""
     width, height, label = int(words[2]), int(words[3]), "" if words[6] == NOTHING else reworded(plain(words[6]))
     box = Box("panel", width=width, height=height, background=1, bgcolor=colour(words[11]), mode=0,
               border=0, rounded=0, angle=270.0, proportion=0.5)
@@ -141,7 +142,7 @@ def panel(x, y, words):
 
 
 def graph(pd_box, values):
-    """An array that tabwrite~ fills becomes a scope~; one that a list or numbers fill a multislider."""
+    """Converts an array: if tabwrite~ fills it, to a scope~; if a list or numbers fill it, to a multislider."""
     canvas = pd_box.canvas
     name, size = canvas.arrays[0]
     _, high, _, low, width, height = canvas.coordinates[:6]
@@ -159,7 +160,7 @@ def graph(pd_box, values):
 
 
 def hide_wires(patcher, widgets):
-    """Adds the [r], [s] and what is between, in columns right of everything shown."""
+    """Adds the [r] and [s] boxes and the boxes between them, in columns at the right of all visible boxes."""
     left = max((b.right for b in patcher.boxes), default=0) + 40
     columns = []
     for widget in widgets:

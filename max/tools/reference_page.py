@@ -1,4 +1,4 @@
-"""Writes NAME.maxref.xml: the page that Max shows as an object's reference, from its declaration alone."""
+"""Writes NAME.maxref.xml: the page that Max shows as an object's reference, made only from its declaration."""
 import xml.etree.ElementTree as xml
 
 import max_objects

@@ -1,11 +1,11 @@
-"""How wide a text is in Max's default font, Arial at 12 points, and how large the box around it is.
+"""The width of a text in Max's default font, Arial at 12 points, and the size of the box around it.
 
 The advance widths are those of Helvetica's public AFM file; Arial's are the same by design. A box's
 margins are those of boxes in patchers that Max saved: `t b b b` is 42 pixels wide, `loadbang` 58.
 """
 
 FONT_SIZE = 12.0
-MARGIN = 9.5  # left and right of the text together
+MARGIN = 9.5  # sum of the margins left and right of the text
 FIRST_LINE = {"comment": 20.0, "other": 22.0}
 LINE_PITCH = 13.5
 MIN_BOX_WIDTH = 29.5
@@ -17,11 +17,11 @@ ADVANCE = [
     611, 778, 722, 278, 500, 667, 556, 833, 722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667,
     667, 611, 278, 278, 278, 469, 556, 222, 556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500,
     222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584]
-BOLD_FACTOR = 1.09  # Arial Bold against Arial, averaged over English text
+BOLD_FACTOR = 1.09  # width of Arial Bold relative to Arial, averaged over English text
 
 
 def width(text, size=FONT_SIZE, bold=False):
-    """Pixels of one line of text; a character outside ASCII counts as an em's 0.6."""
+    """Width of one line of text in pixels; a character outside ASCII counts as 0.6 em."""
     total = sum(ADVANCE[ord(c) - 32] if 32 <= ord(c) < 127 else 600 for c in text)
     return total * size / 1000 * (BOLD_FACTOR if bold else 1)
 

@@ -19,7 +19,7 @@ double unit_of(const std::string& word) {
   return at->metres;
 }
 
-/// --young, --poisson, --density and --loss.
+/// Applies --young, --poisson, --density and --loss.
 void apply_changes(const BodyOptions& options, Material& material) {
   for (const auto& [what, value] : options.changes) {
     if (what == "young")
@@ -33,7 +33,8 @@ void apply_changes(const BodyOptions& options, Material& material) {
   }
 }
 
-/// One a region: of --material, first those for all; else of the file; else none.
+/// One material per region: from --material, where those for all regions come first; else from the
+/// file; else none.
 std::vector<std::optional<Material>> chosen_materials(const BodyOptions& options,
                                                       const Mesh& mesh) {
   std::vector<std::optional<Material>> chosen = mesh.materials;
@@ -140,7 +141,7 @@ std::string* BodyReader::output_path() {
   return name == "--export-inp" ? &options_.inp : nullptr;
 }
 
-// One piece: a table of the options.
+// Not split, because it is a table of the options.
 void BodyReader::take() {
   const std::string& name = option();
   if (std::string* const path = output_path()) {
@@ -239,14 +240,14 @@ states its own unit; .msh and .inp files are in metres unless --unit is given.
 
 std::string usage_of_material() {
   return R"(Material      --material NAME, or REGION=NAME for a body of several; data/materials.csv lists them
-              --young PA --poisson NU --density KG_PER_M3 --loss ETA   change the (first) material
+              --young PA --poisson NU --density KG_PER_M3 --loss ETA   change the constants of the (first) material
               --axes X1,Y1,Z1,X2,Y2,Z2   directions 1 (grain) and 2 of an orthotropic material
 )";
 }
 
 std::string usage_of_mesh() {
-  return R"(Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
-              --only NAME|NUMBER  one of a file's separate parts
+  return R"(Mesh          --h SIZE  --layers N  --no-grade  --multi  (allows several parts)
+              --only NAME|NUMBER  selects one of a file's separate parts
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh  (new triangles for an STL surface)  --straight  (no curved edges)
               --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps

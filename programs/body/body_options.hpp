@@ -25,12 +25,12 @@ struct BodyOptions {
   std::map<std::string, double> changes;                      ///< young, poisson, density, loss
   std::vector<double> axes;
   bool several_parts = false, quiet = false, straight = false, remesh = false;
-  std::string part; ///< the one to take of a file's separate parts
+  std::string part; ///< the part to use of a file with separate parts
   int threads = 1;
   double time_limit_s = 1200; ///< longest time without progress while a file is read and meshed
-  double memory_bytes = 0;    ///< 0: half of what is free
+  double memory_bytes = 0;    ///< 0 for half of the free memory
   double fillet = 0;          ///< m
-  double shrink_wrap = 0;     ///< m; below 0: the gap is chosen; 0: no wrap
+  double shrink_wrap = 0;     ///< m; 0 for no wrap, below 0 to choose the gap
   std::string output, vtu, sheet, inp; ///< paths of the table, of VTU, picture and CalculiX files
 
   /// The body's name without folder and ending.
@@ -39,27 +39,28 @@ struct BodyOptions {
   [[nodiscard]] double unit_of_body() const;
 };
 
-/// A number in its range; refuses by the option's name.
+/// Reads a number within its range. A refusal names the option.
 [[nodiscard]] double number(const std::string& option, const std::string& word, double low,
                             double high);
 
-/// A whole number in its range; refuses by the option's name.
+/// Reads a whole number within its range. A refusal names the option.
 [[nodiscard]] int integer(const std::string& option, const std::string& word, int low, int high);
 
 /// Reads a command line BODY [options] word by word into a BodyOptions. A program reads its own
 /// options from option() and leaves the others to take().
 class BodyReader {
 public:
-  /// The body and, wherever it stands, --unit: lengths depend on it. `program` is named in errors.
+  /// Reads the body and --unit, wherever it stands, because lengths depend on it. `program` is
+  /// named in errors.
   BodyReader(BodyOptions& options, const std::vector<std::string>& words,
              std::span<const ShapeEntry> shapes, const char* program);
 
-  /// Goes on to the next option; false at the end.
+  /// Goes on to the next option; returns false at the end.
   [[nodiscard]] bool next();
   [[nodiscard]] const std::string& option() const { return words_[option_]; }
-  /// The option's next value. Refuses when there is none.
+  /// The option's next value. Refuses a missing value.
   const std::string& value();
-  /// The next value as a number, and as a length in --unit.
+  /// The next value as a number (number()) or as a length in --unit (length()).
   double number(double low, double high);
   int integer(int low, int high);
   double length(double low, double high) { return options_.unit * number(low, high); }
@@ -76,7 +77,7 @@ private:
   const std::vector<std::string>& words_;
   const ShapeEntry* shape_ = nullptr;
   std::string program_;
-  std::size_t option_ = 0, at_ = 0; ///< of the present option, and of the last word read
+  std::size_t option_ = 0, at_ = 0; ///< indices of the present option and of the last word read
 };
 
 /// Help text: shapes with their dimensions, and the options that take() knows.
@@ -84,10 +85,10 @@ private:
 [[nodiscard]] std::string usage_of_material();
 [[nodiscard]] std::string usage_of_mesh();
 
-/// One material a region of the mesh: as ordered, else its file's. Refuses unknown names, changes
-/// that do not apply.
+/// One material per region of the mesh: as given by the options, else the file's. Refuses unknown
+/// names and changes that do not apply.
 [[nodiscard]] std::vector<Material> materials_of(const BodyOptions&, const Mesh&);
-/// "steel, brass".
+/// The names as a text, such as "steel, brass".
 [[nodiscard]] std::string names_of_materials(std::span<const Material>);
 /// Warns if --young or --density differs much from the material that it changes.
 void warn_of_unusual_constants(const BodyOptions&, ProgressLine&);
@@ -100,9 +101,9 @@ inline constexpr std::array<LengthUnit, 5> kUnits{
     {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 25.4e-3}, {"m", 1}}};
 /// The unit's name; empty if it has none.
 [[nodiscard]] std::string name_of_unit(double metres);
-/// "12.5 mm".
+/// A length as a text, such as "12.5 mm".
 [[nodiscard]] std::string format_length(double metres);
-/// Asks for the unit of a body that is larger than a house or smaller than a hair.
+/// Warns of a body that is implausibly long or short, and asks for its unit.
 void warn_of_unusual_length(const BodyOptions&, double largest_m,
                             const std::function<void(const std::string&)>& notify);
 /// The material of the first region.
@@ -111,11 +112,11 @@ void warn_of_unusual_length(const BodyOptions&, double largest_m,
 /// The settings for reading the body's file, with progress on `progress`.
 [[nodiscard]] LoadChoice load_choice(const BodyOptions&, ProgressLine&);
 
-/// Refuses a file that cannot be read; pipes and devices before they are opened, which might never
-/// return.
+/// Refuses a file that cannot be read. Refuses pipes and devices without opening them, since
+/// opening one might never return.
 void check_readable(const std::string& path);
 
-/// Reports the mesh's size, and warns of linear elements, naming their effect on `what`.
+/// Reports the mesh's size. Warns of linear elements; `what` describes their effect.
 void describe(const Mesh&, ProgressLine&, const std::string& what);
 
 } // namespace tactus::fem

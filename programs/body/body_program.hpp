@@ -6,18 +6,17 @@
 
 namespace tactus::fem {
 
-/// What a program does with the words of its command line; returns its exit status, or refuses.
+/// Runs a program with the words of its command line; returns its exit status, or refuses.
 using Run = int (*)(const std::vector<std::string>& words);
 
-/// A command line that begins with a word of its own: `modal_fem raw ...`. It gets the words
-/// behind.
+/// A command, such as `raw` in `modal_fem raw ...`. It receives the words after its own.
 struct Command {
   std::string_view word;
   Run run;
 };
 
-/// The main() of a program on bodies: --help, the commands, or else run(). A refusal is one
-/// sentence on stderr; an interrupt removes what was begun.
+/// The main() of a program on bodies. It handles --help and the commands, or else calls run(). It
+/// prints a refusal as one sentence on stderr; an interrupt removes unfinished files.
 [[nodiscard]] int body_program(int argc, char** argv, const char* name, std::string (*usage)(),
                                std::span<const Command> commands, Run run);
 

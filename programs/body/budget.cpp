@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kUnlimited = 1e18;
 
-/// A file's one number, or `otherwise` ("max" and missing files).
+/// The number in a file, or `otherwise` for "max" and missing files.
 double number_in(const std::string& path, double otherwise) {
   std::ifstream file(path);
   double value = 0;
@@ -51,13 +51,14 @@ double control_group_free_bytes() {
 
 std::string format_count(double count) { return format(count < 1e7 ? "%.0f" : "%.2g", count); }
 
-/// Rounded up to two digits, so that what is suggested fits.
+/// Rounds up to two digits, so that a suggested size fits.
 double two_digits_up(double x) {
   const double step = std::pow(10, std::floor(std::log10(x)) - 1);
   return std::ceil(x / step - 1e-9) * step;
 }
 
-/// The largest x in [1, high] that `fits`, for fits that are true below and false above; 0: none.
+/// The largest x in [1, high] for which fits(x) is true; fits must be true below and false above
+/// some x. 0 if there is none.
 template <class Predicate> double largest_where(double high, Predicate&& fits) {
   if (!fits(1.0))
     return 0;
@@ -116,7 +117,7 @@ std::string format_seconds(double s) {
 
 Budget::Budget(double bytes) : bytes_(bytes > 0 ? bytes : free_memory() / 2), given_(bytes > 0) {
   if (!(bytes_ > 0))
-    bytes_ = kUnlimited; // no /proc: unknown
+    bytes_ = kUnlimited; // without /proc the memory is unknown
 }
 
 void Budget::check_budget(const std::string& body, const Workload& work,
@@ -155,6 +156,7 @@ void Budget::check_budget(const std::string& body, const Workload& work,
     suggest(format("--modes %.0f", modes));
   }
   const bool sized_by_modes = with_modes && modes >= 1; // a coarser mesh would not resolve as many
+                                                        // modes
   if (with_element_size && !sized_by_modes && fits(with_element_size(largest))) {
     double low = 1e-6 * largest, high = largest;
     for (int i = 0; i < 60; ++i) {
@@ -163,13 +165,13 @@ void Budget::check_budget(const std::string& body, const Workload& work,
     }
     double h = two_digits_up(high / unit);
     while (!fits(with_element_size(h * unit)) &&
-           h * unit < largest) // whole numbers of elements may make a size fail
+           h * unit < largest) // a size may fail, since numbers of elements are whole
       h = two_digits_up(1.05 * h);
     suggest(format("--h %.2g", h));
   }
   suggest("--engine slepc over several machines");
   if (!given_)
-    suggest("more with --memory");
+    suggest("more memory with --memory");
   throw TooLarge(body + ": " + cost.stage + " would take " + format_bytes(cost.bytes) + " (" +
                  format_count(work.mesh.elements) + " elements, " + format_count(work.mesh.dofs()) +
                  " unknowns, " + format_count(work.modes) + " modes), expected at most " +

@@ -10,24 +10,26 @@ namespace tactus::fem {
 /// 1 or 2) sets a limit. Bytes; 0 if unknown.
 [[nodiscard]] double free_memory();
 
-/// 4G, 800M, 1.5GiB, 64k: bytes; powers of 1000, with "i" of 1024. Refuses other texts.
+/// Reads a size such as 4G, 800M, 1.5GiB or 64k, in bytes. Prefixes are powers of 1000, with "i" of
+/// 1024. Refuses other texts.
 [[nodiscard]] double read_memory(const std::string& option, const std::string& word);
 
 /// The memory that the whole program may use, compared with the predicted need of its work.
 class Budget {
 public:
-  /// 0 bytes: half of the available memory.
+  /// `bytes` is the budget; 0 stands for half of the available memory.
   explicit Budget(double bytes);
   [[nodiscard]] double bytes() const noexcept { return bytes_; }
 
-  /// The same work with another element size (m) or, of gmsh's meshes, scaled from this one.
+  /// The same work with another element size (m); for gmsh's meshes it is scaled from this work.
   using WithElementSize = std::function<Workload(double h)>;
-  /// The work for fewer modes, where the mesh is sized by them.
+  /// The work for fewer modes, if their number determines the mesh.
   using WithModes = std::function<Workload(double modes)>;
 
-  /// Refuses work beyond the budget in one sentence: the predicted need, the limit, and the element
-  /// size, number of modes or of acoustic triangles that fits. `unit`: metres per unit of the
-  /// user's --h. A prediction that is not `exact` may exceed the budget by kCostMargin.
+  /// Refuses work beyond the budget in one sentence. It names the predicted need, the limit, and
+  /// the element size, the number of modes or the number of acoustic triangles that fits. `unit`:
+  /// metres per unit of the user's --h. A prediction that is not `exact` may exceed the budget by
+  /// kCostMargin.
   void check_budget(const std::string& body, const Workload&, const WithElementSize&,
                     const WithModes&, double unit,
                     const std::optional<FactorCost>& exact = {}) const;
@@ -37,7 +39,7 @@ private:
   bool given_;
 };
 
-/// "850 MB", "12.3 GB", "4e+15 GB"; "12 s", "25 min", "3 h", "40 days".
+/// Texts such as "850 MB", "12.3 GB" or "4e+15 GB", and "12 s", "25 min", "3 h" or "40 days".
 [[nodiscard]] std::string format_bytes(double bytes);
 [[nodiscard]] std::string format_seconds(double seconds);
 

@@ -9,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kTrustShare = .1; ///< of the lattice's shortest side
+constexpr double kTrustShare = .1; ///< relative to the lattice's shortest side
 
 std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
   std::array<int, 3> counts{};
@@ -40,8 +40,7 @@ Box read_box(const std::string& words, double unit) {
   return box;
 }
 
-/// Which layers of control points lie on a face of the box that the body passes through:
-/// [axis][low, high].
+/// For each face of the box, [axis][low, high]: whether the body passes through it.
 std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box) {
   const double near = 1e-6 * bounding_box(mesh.nodes).largest();
   std::array<std::array<bool, 2>, 3> passed{};
@@ -103,7 +102,8 @@ std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
   return chosen;
 }
 
-/// The largest displacement up to `requested` (of either sign) that one parameter may have alone.
+/// The largest displacement, up to `requested` of either sign, that is valid if no other parameter
+/// moves.
 double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double requested) {
   std::vector<Vec3> target =
       moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&requested, 1));
@@ -211,7 +211,7 @@ std::string usage_of_lattice() {
   return R"(Shape         --lattice NX NY NZ (3 3 3)  control points that reshape the body
               --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  box spanned by the lattice
               --degree DX DY DZ (3, or one less than the points)
-              --controls ID,ID,...  movable control points (all that keep the body whole)
+              --controls ID,ID,...  movable control points (all that keep the body in one piece)
               --directions xyz      directions in which they move
               --range LENGTH (half a spacing)  bounds of each coordinate
               --trust LENGTH (a tenth of the box)  largest move for which derivatives are valid

@@ -37,9 +37,10 @@ std::string mpirun_path() {
   return {};
 }
 
-constexpr const char* kErrors = "errors"; ///< what the processes write to their standard error
+constexpr const char* kErrors = "errors"; ///< file with the standard error of the processes
 
-// What an interrupt has to end and remove, within what a signal handler may do.
+// The processes to end and the files to remove after an interrupt, stored so that a signal handler
+// may use them.
 std::array<std::array<char, 512>, 8> g_files;
 std::array<char, 512> g_folder;
 std::atomic<pid_t> g_child{0};
@@ -95,7 +96,7 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
   return child;
 }
 
-/// The solver's own sentence, else the last line that is no ornament.
+/// The solver's own sentence, else the last line that is not decoration.
 std::string last_error_line(const MpiEngine& engine, const std::string& path) {
   const std::string own = std::string(engine.program) + ": ";
   std::ifstream file(path);

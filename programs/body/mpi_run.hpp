@@ -10,24 +10,25 @@ namespace tactus::fem {
 
 /// A solver program in the folder of the running program, started by mpirun.
 struct MpiEngine {
-  const char* option;   ///< how the user chose it, "--engine slepc"
-  const char* program;  ///< its file, "slepc_solve"
-  const char* library;  ///< what it is built with, "SLEPc"
-  const char* packages; ///< Debian's, "libslepc-real-dev"
+  const char* option;   ///< the user's option, such as "--engine slepc"
+  const char* program;  ///< name of its file, such as "slepc_solve"
+  const char* library;  ///< its library, such as "SLEPc"
+  const char* packages; ///< Debian's packages, such as "libslepc-real-dev"
 };
 
 /// A process with fewer nodes of the mesh would only wait for its neighbours.
 inline constexpr std::size_t kMinNodesPerProcess = 50;
-/// Refuses more processes than have so many nodes each, or than four for each core of this machine;
-/// Open MPI's own list of machines lifts the second limit.
+/// Refuses so many processes that one would have fewer nodes than this, and more than four
+/// processes for each core of this machine. Open MPI's own list of machines lifts the second limit.
 void check_ranks(int ranks, std::size_t nodes);
 
-/// Refuses, naming the Debian packages, when mpirun or the solver program is missing.
+/// Refuses if mpirun or the solver program is missing, and names the Debian packages.
 void check_engine(const MpiEngine&);
 
-/// One run of a solver under mpirun: a private folder in $TMPDIR (or /tmp) for the files that go in
-/// and out, which is removed whatever happens, interrupts included. mpirun's own settings
-/// (OMPI_MCA_...) choose the machines; $TMPDIR must then lie on a disk they share. One at a time.
+/// One run of a solver under mpirun. Its input and output files are in a private folder in $TMPDIR
+/// (or /tmp), which is always removed, also after an interrupt. mpirun's own settings
+/// (OMPI_MCA_...) select the machines; $TMPDIR must then be on a disk that they share. Only one run
+/// may exist at a time.
 class MpiRun {
 public:
   /// `files`: all files that may be created in the folder.
@@ -38,12 +39,12 @@ public:
 
   /// The path of a file in the folder.
   [[nodiscard]] std::string file(const char* name) const { return folder_ + "/" + name; }
-  /// Refuses when the folder's disk has less room.
+  /// Refuses if the folder's disk has less space.
   void require_disk_space(double bytes) const;
-  /// Runs the program on `ranks` processes with these arguments. Lines "stage SHARE NAME" of its
-  /// standard output are shown; `on_line` gets the others. Refuses when it fails or a process dies,
-  /// with the program's own sentence
-  /// ("PROGRAM: ..." on its standard error) or mpirun's.
+  /// Runs the program on `ranks` processes with these arguments. It shows the lines "stage SHARE
+  /// NAME" of the program's standard output and passes the others to `on_line`. Refuses if the
+  /// program fails or a process dies, with the program's own sentence ("PROGRAM: ..." on its
+  /// standard error) or mpirun's.
   void run(int ranks, const std::vector<std::string>& arguments, ProgressLine& progress,
            const std::function<void(const char* line)>& on_line) const;
 

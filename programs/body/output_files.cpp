@@ -26,8 +26,9 @@ std::string beside_program(const std::string& script) {
   return (fs::read_symlink("/proc/self/exe").parent_path() / script).string();
 }
 
-/// Runs Debian's Python; whether it ended well. Python is isolated (-I: no module of the folder it
-/// is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
+/// Runs Debian's Python; returns whether it succeeded. Python is isolated (-I), so it uses no
+/// modules of the current folder and no PYTHON variables. It starts in / so that it reads no
+/// `matplotlibrc` here.
 bool python(std::vector<std::string> words) {
   words.insert(words.begin(), {"python3", "-I"});
   std::vector<char*> arguments;
@@ -61,9 +62,9 @@ void check_output(const std::string& option, const std::string& path) {
         " is a device or pipe, expected a file: outputs are written complete or not at all");
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
     throw InputError(label + ": cannot write: " + std::strerror(errno));
-  // The file is written under another name in its folder and renamed: tries whether that is
-  // possible.
-  std::string trial = path + ".pXXXXXX"; // as long as .partial
+  // The file will be written under another name in its folder and then renamed. This tests whether
+  // that is possible.
+  std::string trial = path + ".pXXXXXX"; // as long as the suffix .partial
   const int file = ::mkstemp(trial.data());
   if (file < 0)
     throw InputError(label + ": cannot write: " + std::strerror(errno));
@@ -92,7 +93,7 @@ void check_disk_space(std::span<const Output> all) {
   for (const Output& out : all) {
     struct statvfs disk {};
     if (out.path.empty() || ::statvfs(folder_of(out.path).c_str(), &disk) != 0)
-      continue; // an error will appear when it is written
+      continue; // writing the file will report the error
     const double free_bytes =
         static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (out.bytes > free_bytes)

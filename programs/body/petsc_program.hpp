@@ -5,14 +5,14 @@
 #include <petscsys.h>
 #include <string>
 
-/// What programs that mpi_run starts share: stages on stdout, and one sentence on stderr when they
-/// fail. All functions are collective over PETSC_COMM_WORLD.
+/// Functions shared by programs that mpi_run starts. They report stages on stdout and a failure as
+/// one sentence on stderr. All functions are collective over PETSC_COMM_WORLD.
 namespace tactus::petsc {
 
-inline const char* g_program = ""; ///< named in sentences
+inline const char* g_program = ""; ///< program's name in sentences
 inline std::string g_petsc_error;  ///< PETSc's first error
 
-/// "stage SHARE NAME", share 0..1 of the stage that is done.
+/// Prints "stage SHARE NAME"; the share 0..1 is the finished part of the stage.
 inline void report_progress(double share, const char* stage) {
   PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
   std::fflush(stdout);
@@ -27,15 +27,15 @@ inline PetscErrorCode keep_petsc_error(MPI_Comm, int, const char*, const char*,
   return status;
 }
 
-/// Prints the sentence on stderr, and returns the status PETSC_ERR_USER, for which runs() prints
-/// none.
+/// Prints the sentence on stderr and returns PETSC_ERR_USER, for which runs() prints no further
+/// sentence.
 inline PetscErrorCode fail(const std::string& sentence) {
   PetscFPrintf(PETSC_COMM_WORLD, stderr, "%s: %s\n", g_program, sentence.c_str());
   return PETSC_ERR_USER;
 }
 
-/// Calls run() between the library's initialisation and finalisation. True when it succeeds; else
-/// prints why and ends all processes.
+/// Calls run() between the library's initialisation and finalisation. Returns true if it succeeds;
+/// else prints the reason and ends all processes.
 inline bool runs(PetscErrorCode (*run)(char** words), char** words, const std::string& library) {
   PetscPushErrorHandler(keep_petsc_error, nullptr);
   const PetscErrorCode status = run(words);

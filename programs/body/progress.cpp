@@ -52,7 +52,7 @@ std::string ProgressLine::line() const {
     text += format(" %.0f %%", 100 * share_);
   if (share_ >= 1 || spent < 1)
     return text;
-  // The rate so far, once a fiftieth is done; before that the predicted time.
+  // Uses the rate so far once a fiftieth is done, and the predicted time before that.
   const bool measured = share_ > .02;
   const double left = measured ? spent * (1 - share_) / share_ : predicted_s_ - spent;
   if (left > 0)

@@ -14,14 +14,14 @@ namespace tactus::fem {
 /// stage(); a thread of this object prints the time while a stage makes no calls.
 class ProgressLine {
 public:
-  /// Quiet: only sentences that begin with "warning: " are printed.
+  /// If quiet, it prints only sentences that begin with "warning: ".
   explicit ProgressLine(bool quiet);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Begins a stage (another name) or updates it; share 0 to 1, 1 ends it. `predicted_s`: time of
-  /// the whole stage, 0: unknown.
+  /// Begins a stage with a new name or updates the present stage. `share` is 0 to 1; 1 ends the
+  /// stage. `predicted_s` is the time of the whole stage, 0 if unknown.
   void stage(const std::string& name, double share, double predicted_s = 0);
   void notify(const std::string& sentence);
 

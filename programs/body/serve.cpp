@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little, "messages are copied b
 
 constexpr std::uint64_t kMaxRequestBytes = 1 << 20;
 
-/// Reads `size` bytes; returns how many were read before the end of the input.
+/// Reads `size` bytes; returns the number of bytes read before the end of the input.
 std::size_t read_fully(void* into, std::size_t size) {
   std::size_t got = 0;
   while (got < size) {

@@ -13,14 +13,14 @@ namespace tactus::fem {
 
 /// A part as stored in its table.
 struct ServedPart {
-  std::string bytes; ///< of the whole file
+  std::string bytes; ///< content of the whole file
   Mesh mesh;
-  std::vector<std::string> command; ///< the command line that made it
+  std::vector<std::string> command; ///< the command line that made the table
 };
 
 /// Reads the arrays `mesh` and `command` (in meta) of a table whose meta has the format `format`.
-/// Refuses a table without them, naming the file; `program`: the program that should have written
-/// it.
+/// Refuses a table without them and names the file. `program` is the program that should have
+/// written the table.
 [[nodiscard]] ServedPart read_served_part(const std::string& path, const std::string& format,
                                           const std::string& program);
 
@@ -44,7 +44,7 @@ public:
     append(values.data(), values.size_bytes());
   }
   void add_text(const std::string& text) { append(text.data(), text.size()); }
-  /// Refuses when the reader of stdout has closed it.
+  /// Refuses if the reader has closed stdout.
   void send();
 
 private:
@@ -55,9 +55,10 @@ private:
   std::string bytes_;
 };
 
-/// Answers requests on stdin until it ends: calls `answer` with the bytes of each `solve`; what it
-/// refuses by exception is sent as `refused`, and the next request is read. Returns the process's
-/// exit status: 0 at the end of stdin or `quit`, 1 after a stream that is broken.
+/// Answers requests on stdin until it ends: calls `answer` with the bytes of each `solve`. If
+/// `answer` refuses by an exception, the refusal is sent as `refused` and the next request is read.
+/// Returns the process's exit status: 0 at the end of stdin or after `quit`, 1 after a broken
+/// stream.
 [[nodiscard]] int serve_requests(const char* program,
                                  const std::function<void(std::span<const char>)>& answer);
 

@@ -83,7 +83,7 @@ std::string object(const ObjectDescription& described) {
          field("multichannel", flag(described.traits.multichannel)) + "}";
 }
 
-/// The initial value is that of a text in which the section has no such key.
+/// The initial value applies to a text in which the section lacks this key.
 std::string surface_key(const footstep::RecipeKey& key) {
   const std::string section(key.section);
   footstep::Recipe recipe;

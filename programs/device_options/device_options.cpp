@@ -8,8 +8,8 @@ namespace tactus::programs {
 
 namespace {
 
-/// Takes --device and --set. Nothing when the option is another one; false when its value is not
-/// understood.
+/// Handles --device and --set. Returns nullopt for any other option, false if the value is not
+/// valid.
 std::optional<bool> set_device_option(std::string_view name, const std::string& value,
                                       DeviceOptions& options) {
   if (name == "--set") {

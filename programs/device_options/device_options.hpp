@@ -12,10 +12,10 @@
 
 namespace tactus::programs {
 
-/// Which device a program opens, and how it is set.
+/// The device that a program opens, and its settings.
 struct DeviceOptions {
   std::string driver, which;                        ///< --device DRIVER[:WHICH]
-  std::vector<std::vector<std::string>> settings{}; ///< --set "WORD VALUE...", once each
+  std::vector<std::vector<std::string>> settings{}; ///< one for each --set "WORD VALUE..."
 };
 
 /// Applies the settings to the device, then its WHICH. Returns an empty text, or the device's first
@@ -28,7 +28,7 @@ template <class Options> struct Parsed {
   std::string error;
 };
 
-/// The line of the usage text about an option: "0..65535; 0: any free port (7770)". Empty
+/// The line of the usage text about an option, such as "0..65535; 0: any free port (7770)". Empty
 /// if no line begins with two spaces and the option.
 [[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);
 
@@ -37,16 +37,17 @@ struct Flag {
   std::string_view name;
   bool* set;
 };
-/// Takes an option's value; false when it is not understood.
+/// Sets an option's value; returns false if the value is not valid.
 using SetOption = std::function<bool(std::string_view name, const std::string& value)>;
 
 /// Reads a command line, whose first word is the program: flags (-h counts as --help), options of
-/// the device, and those that the usage text names, by `set`. Empty, or one sentence.
+/// the device, and the options that the usage text names, which it passes to `set`. Returns an
+/// empty text, or one sentence.
 [[nodiscard]] std::string read_options(std::span<const char* const> words, std::string_view usage,
                                        std::span<const Flag> flags, DeviceOptions& device,
                                        const SetOption& set);
 
-/// Reads a number within a range into `target`; false where it is none.
+/// Reads a number within a range into `target`; returns false if the text is not such a number.
 template <class Target>
 [[nodiscard]] bool read(std::string_view text, double low, double high, Target& target) {
   const auto value = to_number(text, low, high);

@@ -10,10 +10,11 @@ namespace tactus::programs {
 namespace {
 
 std::atomic<bool> g_stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free); // for the handlers
+static_assert(std::atomic<bool>::is_always_lock_free); // so that signal handlers may use it
 const char* g_sentence = "";
 
-// From an interrupt to the end of the program: 0.3 s for the force, a second for the device.
+// Longest time from an interrupt to the end of the program; the force needs 0.3 s, the device a
+// second.
 constexpr unsigned kEnd_s = 3;
 
 void leave(int) noexcept {
@@ -33,7 +34,7 @@ void listen_for_interrupts(const char* sentence) noexcept {
   }, last{};
   last.sa_handler = &leave;
   sigaction(SIGALRM, &last, nullptr);
-  action.sa_handler = [](int) { // no SA_RESTART: an interrupt also ends a question
+  action.sa_handler = [](int) { // no SA_RESTART, so that an interrupt also ends a question
     if (!g_stop.exchange(true))
       alarm(kEnd_s);
   };

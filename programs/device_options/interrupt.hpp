@@ -2,14 +2,14 @@
 
 namespace tactus::programs {
 
-/// From then on SIGINT, SIGTERM and SIGHUP ask the program to end, and after one of them it ends
-/// within 3 s, whatever call of a device's driver does not return: nothing can end that but the
-/// process. `sentence` is then its last.
+/// From then on SIGINT, SIGTERM and SIGHUP ask the program to end. It then ends within 3 s even if
+/// a call of a device's driver does not return, because only the end of the process can end such a
+/// call. In that case it prints `sentence` last.
 void listen_for_interrupts(const char* sentence) noexcept;
-/// True after an interrupt, or interrupt().
+/// True after an interrupt or after a call of interrupt().
 [[nodiscard]] bool interrupted() noexcept;
 void interrupt() noexcept;
-/// The program is about to end: within 3 s.
+/// Call it when the program is about to end; it then ends within 3 s.
 void limit_time_to_end() noexcept;
 
 } // namespace tactus::programs

@@ -63,7 +63,7 @@ WallResult wall_result(std::span<const Record> records, const Wall& wall, double
   WallResult result;
   double force_depth = 0, depth_depth = 0, vibration_rms = 0;
   std::size_t hum_ticks = 0;
-  // Residual of a parabola fitted to 40 ms of the motion (Savitzky & Golay 1964).
+  // The residual of a parabola that is fitted to 40 ms of the motion (Savitzky & Golay 1964).
   const auto half = static_cast<std::size_t>(std::max(2.0, 0.02 / period_s));
   const double m = static_cast<double>(half);
   const auto weight = [m](double k) {

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-/// Measures of device and loop from a recording of the servo's ticks. Pure functions.
+/// Pure functions that measure the device and the servo loop from a recording of the servo's ticks.
 namespace tactus::haptic_check {
 
 struct Record {
-  std::uint64_t index = 0; ///< of the tick on the servo's grid
+  std::uint64_t index = 0; ///< index of the tick on the servo's grid
   double time_s = 0;       ///< actual time of the tick
   Vec3 position{};         ///< m
   Vec3 velocity{};         ///< m/s
-  Vec3 force_n{};          ///< sent
+  Vec3 force_n{};          ///< sent force
   std::uint32_t buttons = 0, flags = 0;
 };
 
@@ -25,9 +25,9 @@ struct Record {
 struct Motion {
   Vec3 lowest{}, highest{};
   double max_speed_m_per_s = 0;
-  double changed_fraction = 0; ///< of the ticks whose reading differs from the one before
-  double min_step_m = 0;       ///< between two readings that differ
-  std::uint32_t buttons = 0;   ///< all that were pressed
+  double changed_fraction = 0; ///< ticks whose reading differs from the previous one
+  double min_step_m = 0;       ///< smallest distance of different readings
+  std::uint32_t buttons = 0;   ///< all buttons that were pressed
 };
 [[nodiscard]] Motion motion_of(std::span<const Record> records) noexcept;
 
@@ -47,13 +47,12 @@ struct Wall {
 };
 struct WallResult {
   double max_depth_m = 0, max_force_n = 0;
-  double stiffness_n_per_m = 0; ///< of the force sent against the depth; 0 without contact
-  double vibration_rms_m =
-      0;                 ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
-  std::size_t ticks = 0; ///< in contact
+  double stiffness_n_per_m = 0; ///< slope of the sent force over the depth; 0 without contact
+  double vibration_rms_m = 0;   ///< RMS of the motion in the wall around parabolas of 40 ms
+  std::size_t ticks = 0;        ///< ticks in contact
 };
-/// Uses the time after the motors have risen to full force; forces within 2 % of limit_n are
-/// excluded.
+/// Uses only the time after the motors have risen to full force, and excludes forces within 2 % of
+/// limit_n.
 [[nodiscard]] WallResult wall_result(std::span<const Record> records, const Wall& wall,
                                      double from_s, double limit_n, double period_s);
 
@@ -62,7 +61,7 @@ struct WallResult {
 struct Response {
   double frequency_hz = 0;
   double force_n = 0, motion_m = 0;
-  double phase_rad = 0; ///< of the motion behind the force, -pi..pi
+  double phase_rad = 0; ///< lag of the motion behind the force, -pi..pi
 };
 [[nodiscard]] Response response_at(std::span<const Record> records, double frequency_hz,
                                    double period_s) noexcept;

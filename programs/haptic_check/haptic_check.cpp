@@ -1,5 +1,5 @@
 // haptic_check: looks for haptic devices, lets their owner feel one, and writes a report that can
-// be pasted into an issue. docs/devices/README.md has the whole way.
+// be pasted into an issue. docs/devices/README.md describes the procedure.
 #include "devices/driver.hpp"
 #include "programs/haptic_check/report.hpp"
 #include "programs/haptic_check/terminal.hpp"
@@ -46,7 +46,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
            2;
   programs::DeviceOptions wanted = options.device;
   if (simulated)
-    wanted.which.clear(); // there is only one
+    wanted.which.clear(); // there is only one simulated device
   if (const std::string refusal = programs::configure(*device, wanted); !refusal.empty())
     return std::fprintf(stderr, "haptic_check: %s\n", refusal.c_str()), 2;
 

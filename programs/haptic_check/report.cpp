@@ -14,7 +14,7 @@
 namespace tactus::haptic_check {
 namespace {
 
-/// A limit of the device; 0 is one that it does not state.
+/// Adds a limit of the device; 0 means that the device does not state the limit.
 void add_limit(std::string& text, const char* name, const char* unit, int digits, double limit) {
   if (limit > 0)
     text += format("%s %.*f %s", name, digits, limit, unit);

@@ -8,10 +8,11 @@
 
 namespace tactus::haptic_check {
 
-/// Lines of text: for each driver its summary, then what it lacks or the devices that it lists.
+/// Lines of text: for each driver its summary, followed by the missing parts or by the devices that
+/// it lists.
 [[nodiscard]] std::vector<std::string> inventory();
 
-/// A driver and a device of it that is ready; empty when there is none.
+/// A driver and one of its devices that is ready; empty if there is none.
 struct Choice {
   std::string driver, which;
 };

@@ -16,8 +16,8 @@ using Milliseconds = std::chrono::milliseconds;
 
 constexpr double kGraceful_s = 0.3;
 constexpr double kMotorsRise_s = 1;
-// Readings of the trouble, 5 ms apart, of which all must show one: a device that was not read
-// between two stations takes a moment to answer.
+// Number of consecutive readings, 5 ms apart, that must all show a trouble, because a device that
+// was not read between two stations needs a moment to answer.
 constexpr int kTroubleDebounce = 10;
 
 } // namespace
@@ -72,7 +72,7 @@ void Session::fade_out() noexcept {
     if (servo_.exchange().motors.zero_force_confirmed())
       break;
   }
-  static_cast<void>(thread_.stop()); // waits, since this session owns the servo
+  static_cast<void>(thread_.stop()); // waits for the thread, since this session owns the servo
 }
 
 void Session::drain(Recording& recording) {
@@ -120,7 +120,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   haptic::ServoSettings settings;
   settings.chain.force_limit_n = plan.force_limit_n;
   settings.chain.enable_s = kMotorsRise_s;
-  settings.chain.allowance_w = 0.05; // as [phantom]'s
+  settings.chain.allowance_w = 0.05; // [phantom]'s default
   const haptic::Caps caps = device_->caps();
   settings.chain.workspace = {caps.workspace_min, caps.workspace_max};
   drain(recording); // discards records of an earlier station

@@ -22,7 +22,7 @@ public:
   struct Part {
     double frequency_hz = 0, amplitude_n = 0, from_s = 0, to_s = 0;
   };
-  /// While no servo runs.
+  /// Sets the sines; call it while no servo runs.
   void play(std::vector<Part> parts) { parts_ = std::move(parts); }
   [[nodiscard]] Vec3 force(const haptic::Tick& tick, const haptic::State& state) noexcept override;
 
@@ -63,7 +63,7 @@ public:
     haptic::Scene scene{};
     std::vector<Sines::Part> sines{};
     std::function<std::string(const haptic::Report&)> line{}; ///< text to show while it runs
-    std::function<bool(const haptic::Report&)> done{};        ///< ends it early
+    std::function<bool(const haptic::Report&)> done{};        ///< ends the station early if true
   };
   /// Runs the servo for that time. `error` is empty unless the device's own thread did not start.
   [[nodiscard]] Recording run(const Plan& plan, std::string& error);
@@ -72,7 +72,7 @@ private:
   void fade_out() noexcept;
   void send_heartbeat() noexcept;
   void drain(Recording& recording);
-  /// Records while the servo runs, until the plan's time is over or it is done.
+  /// Records while the servo runs, until the plan's time is over or its done() returns true.
   void record(const Plan& plan, Recording& recording);
 
   std::unique_ptr<haptic::Backend> device_;

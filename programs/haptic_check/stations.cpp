@@ -13,9 +13,9 @@ namespace {
 
 using haptic::State;
 
-constexpr double kRise_s = 1.2; // the motors' rise and a little more
+constexpr double kRise_s = 1.2; // a little longer than the motors' rise
 constexpr double kHome_s = 60;
-constexpr int kHomedPolls = 40; // about 5 ms apart
+constexpr int kHomedPolls = 40; // number of polls, about 5 ms apart
 
 std::string live(const haptic::Report& report) {
   const Vec3 mm = report.state.position * 1e3, f = report.force_n;

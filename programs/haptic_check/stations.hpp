@@ -11,7 +11,7 @@ namespace tactus::haptic_check {
 /// The result of a station, for the report.
 struct Finding {
   std::string name;
-  std::vector<std::string> lines; ///< the measurements, or why the station was skipped
+  std::vector<std::string> lines; ///< the measurements, or the reason for skipping
   std::string answer;             ///< the user's answer
   Intervals intervals{};
   haptic::ServoStatistics statistics{};
@@ -34,7 +34,7 @@ private:
   [[nodiscard]] std::string sphere();
   [[nodiscard]] std::string sines();
   [[nodiscard]] std::string finish(Finding finding, const Recording& recording, bool has_force);
-  /// Common to every station with force: the force's rise, then the requested time.
+  /// The plan of every station with force: the force rises, then the requested time follows.
   [[nodiscard]] Session::Plan with_motors() const;
   /// A body with a stiffness that this device renders stably.
   [[nodiscard]] haptic::Body body(const haptic::Shape& shape, const haptic::Pose& pose);
@@ -47,7 +47,7 @@ private:
   haptic::Caps caps_;
   double period_s_, force_limit_n_, stiffness_n_per_m_;
   std::vector<Finding> findings_;
-  std::uint64_t bodies_ = 0; // made so far: no two share a key
+  std::uint64_t bodies_ = 0; // number of bodies made so far, so that no two share a key
 };
 
 } // namespace tactus::haptic_check

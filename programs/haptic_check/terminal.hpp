@@ -13,7 +13,7 @@ using programs::interrupted;
 /// empty at once if may_ask is false.
 [[nodiscard]] std::string ask(const std::string& question, bool may_ask);
 
-/// Shows a line over the one before on a terminal, and a line a second elsewhere.
+/// On a terminal, each line overwrites the previous one; elsewhere it prints one line per second.
 class LiveLine {
 public:
   void show(const std::string& text, double now_s);

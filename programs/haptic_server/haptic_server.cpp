@@ -1,5 +1,5 @@
-// haptic_server: serves a haptic device over the network; docs/formats/haptic_protocol.md has the
-// protocol.
+// haptic_server: serves a haptic device over the network. docs/formats/haptic_protocol.md describes
+// the protocol.
 #include "externals/phantom/output/trace.hpp"
 #include "programs/device_options/interrupt.hpp"
 #include "programs/haptic_server/station.hpp"
@@ -18,7 +18,8 @@ using namespace tactus;
 using namespace tactus::haptic_server;
 
 std::atomic<haptic::MotorControl*> motors{nullptr};
-static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free); // for the handlers
+static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free); // so that signal handlers
+                                                                        // may use it
 
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 constexpr int kPollsPerTroubleCheck = 100;
@@ -39,11 +40,12 @@ void listen_for_signals() noexcept {
       control->enable();
   };
   sigaction(SIGUSR2, &action, nullptr);
-  action.sa_handler = SIG_IGN; // a client may have closed its socket
+  action.sa_handler = SIG_IGN; // a write to a client that has closed its socket must not end the
+                               // program
   sigaction(SIGPIPE, &action, nullptr);
 }
 
-/// "2026-11-28 14:05:09 ", local time.
+/// Local time as a text, such as "2026-11-28 14:05:09 ".
 std::string time_of_day() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};

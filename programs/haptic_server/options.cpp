@@ -5,7 +5,7 @@
 namespace tactus::haptic_server {
 namespace {
 
-/// One option with its value; false when the value is not understood.
+/// Sets one option; returns false if its value is not valid.
 bool set(std::string_view name, const std::string& value, Options& o) {
   using programs::read;
   if (name == "--port") {

@@ -20,15 +20,15 @@ class Station {
 public:
   ~Station();
 
-  /// Empty when it serves, else what to do.
+  /// Returns an empty text if it serves, else what to do.
   [[nodiscard]] std::string open(const Options& options);
-  /// Tells every client, ends the force, closes the device.
+  /// Informs every client, ends the force and closes the device.
   void close();
 
   /// One line: the device, its force limit, and the address.
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
   [[nodiscard]] std::vector<std::string> take_notices();
-  /// Clients were there and all have left.
+  /// True if clients have connected and all have left.
   [[nodiscard]] bool all_clients_left() const noexcept { return all_clients_left_; }
   [[nodiscard]] haptic::Exchange& exchange() noexcept { return servo_.exchange(); }
   [[nodiscard]] std::string trouble() const { return device_ ? device_->trouble() : std::string(); }

@@ -29,7 +29,8 @@ std::string inaudible_text(double lowest_hz, double highest_hz, double largest, 
   text += (high ? "first is " : "last is ") + std::string(estimated ? "expected near " : "at ") +
           format_frequency(high ? lowest_hz : highest_hz) + ", as the body is " +
           format_length(largest) + " long";
-  // Frequencies go as 1 / size. Which other unit of length would make the first mode audible?
+  // Frequencies are proportional to 1 / size. Finds the other units of length that would make the
+  // first mode audible.
   std::string better;
   for (const LengthUnit& to : kUnits) {
     const double scale = to.metres / unit, first = lowest_hz / scale;
@@ -58,7 +59,7 @@ Workload Forecast::workload(const MeshSize& mesh) const {
                 .retained_bytes = retained_bytes_};
   if (options_.radiation) {
     work.acoustic_triangles = static_cast<double>(options_.acoustic_triangles);
-    constexpr double kBandSolutions = 42; // for a body of 10 cm; at most about 65
+    constexpr double kBandSolutions = 42; // number for a body of 10 cm; at most about 65
     work.solutions = work.modes * static_cast<double>(options_.ratios.size()) + kBandSolutions;
   }
   return work;
@@ -117,7 +118,8 @@ void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>&
   warn_of_unusual_size(notify);
   check_budget({});
   check_disk_space(options_, size_);
-  // Swept: a microsecond a node made. gmsh: 40 us a tetrahedron, Delaunay, optimised, quadratic.
+  // A swept shape takes 1 us per node made, gmsh 40 us per tetrahedron (Delaunay, optimised,
+  // quadratic).
   meshing_s_ = size.nodes_on_planes < 1 ? 4e-5 * size.elements : 1e-6 * size.nodes_made;
 }
 
@@ -125,7 +127,7 @@ void Forecast::made(const Mesh& mesh, double) {
   const MeshSize planned = size_;
   size_ = size_of(mesh);
   if (!options_.is_file)
-    size_.cells = planned.cells; // of the section: nearer than the equivalent block
+    size_.cells = planned.cells; // the section's cells, which are nearer than an equivalent block
   size_.skin_area = planned.skin_area;
   size_.h = planned.h;
   warn_of_unusual_size({});

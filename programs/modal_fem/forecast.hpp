@@ -6,7 +6,8 @@
 
 namespace tactus::fem {
 
-/// Predicts memory, time and disk space before the work is done, and warns of odd sizes or refuses.
+/// Predicts memory, time and disk space before the work is done, and warns of unusual sizes or
+/// refuses the work.
 class Forecast {
 public:
   using Notify = std::function<void(const std::string& sentence)>;
@@ -14,23 +15,24 @@ public:
   Forecast(const ModalOptions&, ProgressLine&);
 
   /// Call before gmsh meshes or a shape is built. Refuses a mesh beyond the budget; warns once if
-  /// the body's size makes its modes inaudible. `with_element_size`: the mesh's size for another h,
-  /// if it has one; `with_modes`: for fewer modes, if they size it. `notify` replaces the progress
-  /// line in a child process.
+  /// the body's size makes its modes inaudible. `with_element_size` gives the mesh's size for
+  /// another h, if the mesh has an h. `with_modes` gives it for fewer modes, if their number
+  /// determines the mesh. `notify` replaces the progress line in a child process.
   void mesh(const MeshSize&, const std::function<MeshSize(double h)>& with_element_size,
             const std::function<MeshSize(double modes)>& with_modes, const Notify& notify = {});
-  /// For an existing mesh, before it is assembled.
+  /// Call it for an existing mesh, before assembly.
   void made(const Mesh&, double seconds_spent = 0);
-  /// After the symbolic factorisation: the same with its exact count, and the time ahead.
+  /// Call it after the symbolic factorisation, to check the budget with its exact count and to
+  /// predict the time ahead.
   void factor(const FactorCost&);
 
-  /// From now on so many bytes of another mesh's results stay in memory.
+  /// Sets the number of bytes of another mesh's results that stay in memory from now on.
   void keep(double bytes) noexcept { retained_bytes_ = bytes; }
-  /// Why a mesh is beyond the budget; empty: it is not.
+  /// The reason why a mesh is beyond the budget; empty if it is not.
   [[nodiscard]] std::string over_budget(const MeshSize&) const;
 
-  /// Why a factor of modes that were found elsewhere, and the estimate of their errors with it, are
-  /// beyond the budget; empty: they are not.
+  /// The reason why estimating the errors of modes found elsewhere, which needs a factorisation
+  /// here, is beyond the budget; empty if it is not.
   [[nodiscard]] std::string over_budget_in_process(const FactorCost&) const;
 
   [[nodiscard]] double meshing_seconds() const noexcept { return meshing_s_; }

@@ -6,8 +6,8 @@
 //   2. check    units, inside-out elements, loose parts
 //   3. assemble K and M, supports
 //   4. solve    factor K + s M, block Lanczos
-//   5. shape    how the frequencies follow control points (--lattice)
-//   6. radiate  the air around each mode, by boundary elements (--radiation body)
+//   5. shape    derivatives of the frequencies by control points (--lattice)
+//   6. radiate  sound of each mode in air, by boundary elements (--radiation body)
 //   7. write    NAME.modal.npz, and CSV, VTU, a picture sheet
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
@@ -53,7 +53,7 @@ void print(const ModalTable& table) {
 int run(const std::vector<std::string>& words) {
   const ModalOptions options = read_options(words);
   if (!options.sheet.empty() && options.output.empty())
-    throw InputError("--sheet draws the table: expected -o NAME.modal.npz too");
+    throw InputError("--sheet draws the table: expected also -o NAME.modal.npz");
   check_outputs(options);
   if (!options.sheet.empty())
     check_sheet("modal_sheet.py");

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """modal_sheet.py TABLE.modal.npz PICTURE.png: the body and its first modes, to look at before listening.
 
-Each mode is drawn bent by its own shape and coloured by how far the skin moves along its normal
-(red out, blue in), with its frequency and the time in which it decays by 60 dB.
+Each mode is drawn deformed by its own shape. The colour shows the motion of the skin along its normal (red out, blue
+in). Beside it stand the frequency and the time in which the mode decays by 60 dB.
 """
 import json
 import sys
@@ -32,7 +32,7 @@ def face_normals(points, triangles):
 def outer(points, triangles):
     """The triangles of shells that enclose material; shells around cavities have negative volume."""
     shell = np.arange(len(points))
-    while True:  # each triangle's corners take the least name among them, until all agree
+    while True:  # each triangle's corners take the smallest name among them, until all agree
         least = shell[triangles].min(axis=1)
         before = shell.copy()
         for k in range(3):
@@ -50,7 +50,7 @@ def on_paper(points):
 
 
 def draw(axes, points, triangles, colours, low, high):
-    """The triangles that face the eye, the farthest first, between two corners of the paper."""
+    """Draws the triangles that face the viewer, the farthest first, between two corners of the paper."""
     normals = face_normals(points, triangles)
     seen = np.flatnonzero(normals @ EYE > 0)
     seen = seen[np.argsort(points[triangles[seen]].mean(axis=1) @ EYE)]
@@ -78,7 +78,7 @@ def main(table_path, picture_path, count=11):
     largest = np.linalg.norm(phi[:count], axis=2).max(axis=1)
     bent = points + phi[:count] * (0.13 * reach / largest)[:, None, None]
     paper = on_paper(np.concatenate([points, bent.reshape(-1, 3)]))
-    corners = paper.min(axis=0), paper.max(axis=0)  # the same for all, so that sizes compare
+    corners = paper.min(axis=0), paper.max(axis=0)  # the same for all, so that sizes can be compared
 
     columns = 4
     rows = -(-(count + 1) // columns)
@@ -107,7 +107,7 @@ def main(table_path, picture_path, count=11):
         k = cell - 1
         shape = phi[k]
         out = (shape[triangles].mean(axis=1) * normals).sum(axis=1)
-        # modes that slide in their own plane hardly move along the normal: grey
+        # modes that slide in their own plane hardly move along the normal, so they are grey
         scale = max(np.abs(out).max(), 0.15 * largest[k])
         colours = MAP(0.5 + 0.5 * out / scale)
         draw(axes, bent[k], triangles, colours, *corners)

@@ -46,7 +46,7 @@ FixedRegion read_fixed_region(const std::string& option, const std::string& word
 
 } // namespace
 
-// One piece: a table of the options.
+// Not split, because it is a table of the options.
 ModalOptions read_options(const std::vector<std::string>& words) {
   ModalOptions options;
   BodyReader reader(options, words, known_shapes(), "modal_fem");
@@ -104,7 +104,7 @@ ModalOptions read_options(const std::vector<std::string>& words) {
   }
   if (options.ranks > 0 && !options.slepc)
     throw InputError(
-        "--ranks sets the number of processes of --engine slepc: expected --engine slepc too");
+        "--ranks sets the number of processes of --engine slepc: expected also --engine slepc");
   return options;
 }
 
@@ -116,7 +116,7 @@ BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimens
 )";
   text += usage_of_shapes(known_shapes()) + usage_of_material();
   text +=
-      R"(Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
+      R"(Supports      --fix PLACE[:xyz]          fix rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
               --spring PLACE:N_PER_M[:xyz]
 )" + usage_of_mesh();
   return text +
@@ -130,7 +130,7 @@ Modes         --modes N (40)  a last group of nearly equal frequencies is kept w
 Sound         --radiation body         outgoing waves of each mode (boundary elements) and their
                                        radiation damping
               --acoustic-triangles N (2000)  --air DENSITY,SPEED (1.184,346.1)
-              --ratios R1,R2,...       also at these multiples of the frequencies, for a body
+              --ratios R1,R2,...       waves also at these multiples of the frequencies, for a body
                                        whose E or rho will be changed
 )" + usage_of_lattice() +
          R"(Output        -o NAME.modal.npz  --csv FILE  --vtu FILE  --sheet FILE.png

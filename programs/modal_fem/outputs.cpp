@@ -7,7 +7,8 @@
 namespace tactus::fem {
 namespace {
 
-/// The sizes of the outputs. Text: 45 bytes per node, 7 per number of a shape's component or node.
+/// The sizes of the outputs. A text file has 45 bytes per node, and 7 bytes per number of a mode
+/// shape's component or of a node.
 std::vector<Output> outputs(const ModalOptions& options, const MeshSize& mesh) {
   const double vertices = mesh.skin_triangles / 2;
   const double modes = std::min(static_cast<double>(options.modes), mesh.dofs());

@@ -25,8 +25,8 @@ Vec3 area_of(const std::array<Vec3, 3>& c) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0];
   return 0.5 * Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// Excludes the rim of a plate, which faces sideways; for other bodies takes the half that faces
-/// the side.
+/// For a plate, excludes the rim, which faces sideways. For other bodies, selects the half that
+/// faces the side.
 bool faces_toward(const Vec3& area, const Vec3& side, bool flat) {
   return dot(area, side) > (flat ? .5 : 0) * norm(area);
 }
@@ -43,7 +43,8 @@ Grid every_triangle(const modal::Surface& surface, const Vec3& side, bool flat) 
   return grid;
 }
 
-/// Centres of a coarser skin's triangles, projected onto the body; the areas' sum is the body's.
+/// Centres of a coarser skin's triangles, projected onto the body; the sum of their areas is the
+/// body's area.
 Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, const Vec3& side,
                  bool flat, std::size_t points, const Grid& whole) {
   AcousticSkin skin;
@@ -101,7 +102,7 @@ Grid rings(const modal::Surface& surface, const RawSettings& settings, const Gri
   return grid;
 }
 
-/// Force of a striker at 1 m/s, mean of each short step, N.
+/// Force of a striker at 1 m/s in N, as its mean over each short step.
 std::vector<double> contact_force(const std::shared_ptr<const LoadedTable>& loaded,
                                   const RawSettings& settings, const Vec3& strike_position,
                                   double rate) {
@@ -128,7 +129,7 @@ std::vector<double> contact_force(const std::shared_ptr<const LoadedTable>& load
   return force;
 }
 
-/// Whether most of the body's skin faces `side` or its opposite: a plate.
+/// True for a plate: most of the skin faces `side` or its opposite.
 bool is_flat(const modal::Surface& surface, const Vec3& side) {
   double seen = 0, flat_area = 0, all = 0;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
@@ -154,7 +155,7 @@ Grid grid_of(const modal::ModalTable& table, const modal::Surface& surface,
   return coarse_grid(table, surface, settings.side, flat, settings.points, whole);
 }
 
-/// A table of the right size without velocities. Refuses one of more than 3 GB.
+/// A table of the right size without velocities. Refuses a table of more than 3 GB.
 modal::RawTable empty_table(const Grid& grid, const RawSettings& settings) {
   modal::RawTable out;
   out.hits = settings.hit_m.size();
@@ -188,7 +189,8 @@ std::vector<float> normal_gains(const BodyModel& model, const Grid& grid) {
   return normal;
 }
 
-/// Modal velocities after a strike at a point, [sample][mode]. `force` has `finer` steps a sample.
+/// Modal velocities after a strike at a point, [sample][mode]. `force` has `finer` steps per
+/// sample.
 std::vector<float> modal_velocities(const BodyModel& model, const SurfacePoint& at,
                                     std::span<const double> force, std::size_t finer,
                                     const RawSettings& settings, std::size_t samples) {
@@ -199,7 +201,7 @@ std::vector<float> modal_velocities(const BodyModel& model, const SurfacePoint& 
   model.gains(at, at.normal, gain);
   for (std::size_t k = 0; k < modes; ++k) {
     const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
-    // z = q' + alpha q + j omega q; a force held for a step adds b F (exp(sT) - 1)/s.
+    // z = q' + alpha q + j omega q; a force that is constant over a step adds b F (exp(sT) - 1)/s.
     const std::complex<double> push = gain[k] * (turn - 1.0) / s;
     std::complex<double> z = gain[k] * settings.impulse_n_s;
     for (std::size_t n = 0, fine = 0; n < samples; ++n) {

@@ -10,22 +10,22 @@ namespace tactus::fem {
 struct RawSettings {
   std::vector<Vec3> hit_m;   ///< points struck, along the surface's normal
   Vec3 side{0, 0, 1};        ///< direction of the faces that radiate
-  bool ring = false;         ///< one radius, each point standing for a whole ring
-  double ring_angle_rad = 0; ///< of that radius, for side z from +x to +y
-  std::size_t points = 200;  ///< about; 0: every triangle of the table
+  bool ring = false;         ///< points on one radius, each for a whole ring
+  double ring_angle_rad = 0; ///< angle of that radius, for side z from +x to +y
+  std::size_t points = 200;  ///< approximate number; 0 for every triangle of the table
   double seconds = 0.5, sample_rate = 44100;
-  double impulse_n_s = 0; ///< above 0: this impulse at time 0; else a striker at 1 m/s
+  double impulse_n_s = 0; ///< if above 0, this impulse at time 0 replaces the striker at 1 m/s
   modal::Striker striker;
 };
 
 /// Normal velocities of surface elements after an impact, from a table's modes: the tables of the
 /// AudioHaptics paper. The striker's force comes from the coupled contact at sixteen times the
 /// sample rate (at most 1 MHz). Modes above 0.45 of the sample rate are omitted, since they would
-/// alias; so is a free body's recoil. Refuses points that are not on the body and sides without
-/// faces.
+/// alias. A free body's recoil is omitted too. Refuses points that are not on the body and sides
+/// without faces.
 [[nodiscard]] modal::RawTable make_raw(const modal::ModalTable&, const RawSettings&);
 
-/// `modal_fem raw TABLE ... -o OUT`: the words after `raw`. Returns the exit status.
+/// Runs `modal_fem raw TABLE ... -o OUT` with the words after `raw`. Returns the exit status.
 int run_raw(const std::vector<std::string>& words);
 
 /// The help text of `modal_fem raw`.

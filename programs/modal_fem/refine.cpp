@@ -14,12 +14,13 @@ namespace {
 constexpr int kMaxRounds = 7;
 /// Largest number of unknowns unless --tolerance is given.
 constexpr double kMaxUnknowns = 3e5;
-/// Largest growth of the number of elements per round, since the orders of the error are estimates.
+/// Largest growth of the number of elements per round, since the orders of the error are only
+/// estimates.
 constexpr double kMaxGrowth = 12;
 /// Element size times the highest wave number. Quadratic elements then have errors of some percent,
 /// small enough for their fourth-power law to hold.
 constexpr double kFirstPhase = 1.0;
-/// The same for a mesh that is not refined.
+/// As kFirstPhase, for a mesh that is not refined.
 constexpr double kOnlyPhase = .6;
 
 /// The area of a mesh's skin, m^2.
@@ -61,7 +62,8 @@ Mesh Refinement::mesh_of_file() {
   };
   load.sizes = sizes_ ? &*sizes_ : nullptr;
   load.limits.memory_bytes = static_cast<std::uint64_t>(forecast_.budget().bytes());
-  load.on_prediction = [this](const MeshSize& size, const auto& notify) { // in the child
+  load.on_prediction = [this](const MeshSize& size, const auto& notify) { // called in the child
+                                                                          // process
     std::function<MeshSize(double)> with_modes;
     if (options_.choice.h <= 0 && !sizes_)
       with_modes = [this, size](double modes) {
@@ -92,7 +94,7 @@ Mesh Refinement::mesh_of_shape() {
   if (round_ > 0) {
     choice.grid = &next_grid_;
   } else if (choice.h <= 0 && choice.layers <= 0) {
-    // The body's volume and skin from a mesh of few elements.
+    // A mesh of few elements gives the body's volume and skin area.
     MeshChoice coarse;
     coarse.h = 1e12;
     coarse.sparse = true;
@@ -132,7 +134,8 @@ void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> constraine
   else
     next_grid_ = refined(
         grid_, interval_errors(mesh, constrained, estimate, grid_.first_interval(3)), target,
-        round_ > 0 ? 1 : 2); // coarsening by 2 only once: later it would undo the previous round
+        round_ > 0 ? 1 : 2); // coarsens by 2 only once, since later this would undo the previous
+                             // round
 }
 
 MeshSize Refinement::planned_size(const Mesh& mesh) const {
@@ -177,14 +180,14 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> constr
                      : "--h and --layers fix the mesh; without them it is refined");
   if (round_ + 1 >= kMaxRounds)
     return leave("the mesh was refined " + std::to_string(round_) + " times");
-  // If the last target was missed, the next one is lower by the same factor.
+  // If the last mesh missed its target, the next target is lower by the same factor.
   if (round_ > 0)
     target_scale_ = std::clamp(target_scale_ * last_target_ / worst, .5, 1.0);
   last_target_ = (worst > 2 * tolerance ? .8 : .9) * tolerance;
   double target = target_scale_ * last_target_;
   const double last = static_cast<double>(mesh.elements.size());
   const double max_unknowns = options_.tolerance_given ? 1e9 : kMaxUnknowns;
-  // The last mesh, its matrices and modes stay until the next one's are found.
+  // The last mesh, its matrices and modes stay in memory until the next mesh's modes are found.
   forecast_.keep(bytes_of_results(size_of(mesh), static_cast<double>(options_.modes)));
   for (plan(mesh, constrained, estimate, target);; plan(mesh, constrained, estimate, target)) {
     const MeshSize size = planned_size(mesh);

@@ -8,9 +8,9 @@
 
 namespace tactus::fem {
 
-/// The meshes of one run, each finer where the last one's errors are.
+/// The meshes of one run. Each is finer where the previous mesh has errors.
 ///
-///   1. the first follows from the highest wave number among the modes asked for
+///   1. the first follows from the highest wave number among the requested modes
 ///   2. the modes' errors are estimated on it, element by element
 ///   3. until each is below `--tolerance`, the next mesh takes the sizes that make them so with the
 ///      fewest unknowns: lines of the grid for shapes, a field of sizes for CAD and surface models
@@ -21,10 +21,11 @@ class Refinement {
 public:
   Refinement(const ModalOptions&, ProgressLine&, Forecast&);
 
-  /// The next mesh. Refuses one beyond the budget.
+  /// Returns the next mesh. Refuses a mesh beyond the budget.
   [[nodiscard]] Mesh mesh();
-  /// Whether the mesh is final: the tolerance is met, or cannot be met within the budget. Reports
-  /// the remaining error. Otherwise the next mesh is planned. `constrained`: of Matrices.
+  /// Returns whether the mesh is final, because it meets the tolerance or cannot meet it within the
+  /// budget; reports the remaining error. Otherwise plans the next mesh. `constrained` is that of
+  /// Matrices.
   [[nodiscard]] bool finished(const Mesh&, std::span<const std::uint8_t> constrained,
                               const ErrorEstimate&);
   /// Reports the remaining errors if the next mesh could not be made or solved.
@@ -46,7 +47,7 @@ private:
   bool refines_;
   int round_ = 0;
   double last_target_ = 0, target_scale_ = 1;
-  std::vector<double> errors_; ///< of the last mesh's modes
+  std::vector<double> errors_; ///< errors of the last mesh's modes
   SweepGrid grid_, next_grid_;
   std::optional<SizeField> sizes_;
 };

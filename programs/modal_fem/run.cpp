@@ -17,7 +17,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Conjugate gradients of the estimate stop when a step adds less of it.
+/// The estimate's conjugate gradients stop when a step adds less than this fraction of the
+/// estimate.
 constexpr double kSettle = .1;
 
 void check_residual(const ModalOptions& options, const Material& material) {
@@ -33,7 +34,8 @@ std::string supports_text(std::span<const Support> supports) {
   return words.empty() ? "free" : words;
 }
 
-/// Errors of modes that were computed elsewhere: their factor is computed here, if memory allows.
+/// Estimates the errors of modes that were computed elsewhere. The factor for this is computed
+/// here, if memory allows.
 void estimate_in_process(const Solved& body, ErrorEstimate& error, ProgressLine& progress,
                          const Forecast& forecast) {
   progress.stage("ordering the equations", 0);
@@ -51,7 +53,7 @@ void estimate_in_process(const Solved& body, ErrorEstimate& error, ProgressLine&
                       {kSettle, [&](double share) { progress.stage("estimating errors", share); }});
 }
 
-/// The modes and their errors, with progress.
+/// Computes the modes and their errors, and reports progress.
 void find_modes_of(Solved& body, const ModalOptions& options, ErrorEstimate& error,
                    ProgressLine& progress, Forecast& forecast) {
   const std::size_t count = options.modes + (options.design.requested ? kModesBeyond : 0);
@@ -167,7 +169,8 @@ void export_files(const ModalOptions& options, const Solved& body, ProgressLine&
   if (!options.inp.empty()) {
     progress.stage("writing " + options.inp, 0);
     const std::size_t rigid = rigid_motions(body.mesh, *body.matrices).size() /
-                              body.mesh.dofs(); // the exported file's analysis includes these
+                              body.mesh.dofs(); // the analysis in the exported file includes the
+                                                // constrained ones
     write_inp(options.inp, body.mesh, body.materials, supports_of(options, body.mesh),
               options.modes + rigid);
   }
@@ -177,7 +180,7 @@ void export_files(const ModalOptions& options, const Solved& body, ProgressLine&
   }
 }
 
-/// Refines until the tolerance is met or the next mesh cannot be made; the last one is then kept.
+/// Refines until the tolerance is met or the next mesh cannot be made; the last mesh is then kept.
 void refine(Solved& body, const ModalOptions& options, Refinement& refinement, ErrorEstimate error,
             ProgressLine& progress, Forecast& forecast) {
   while (!refinement.finished(body.mesh, body.matrices->constrained, error)) {

@@ -20,7 +20,7 @@ struct Solved {
   ModeRadiation radiation;
   ShapeDerivatives shape;
   std::vector<float> residual; ///< m/N at the skin's vertices
-  bool solved = false;         ///< false: only exported
+  bool solved = false;         ///< false if the body was only exported
 };
 
 /// The supports of the command line, on the mesh's nodes. Refuses a region that contains no node.
@@ -29,14 +29,14 @@ struct Solved {
 /// The table of a solved body. `created`: ISO 8601, or empty.
 [[nodiscard]] ModalTable table_of(const ModalOptions&, const Solved&, const std::string& created);
 
-/// The modes of a reshaped body and their derivatives: the requested number, or all that exist.
-/// `displacement` of the space's parameters (m) has moved the mesh; supports are those of the
-/// original mesh.
+/// The modes of a reshaped body and their derivatives: the requested number, or all that exist. The
+/// mesh has been moved by `displacement` of the space's parameters (m). The supports are those of
+/// the original mesh.
 [[nodiscard]] Solved solve_moved(const ModalOptions&, Mesh moved, std::span<const Material>,
                                  std::span<const Support>, const DesignSpace&,
                                  std::vector<double> displacement);
 
-/// Checks names, predicts memory and time, meshes, assembles and solves as the options say.
+/// Checks names, predicts memory and time, meshes, assembles and solves according to the options.
 [[nodiscard]] Solved solve(const ModalOptions&, ProgressLine&);
 
 } // namespace tactus::fem

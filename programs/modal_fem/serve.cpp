@@ -19,8 +19,9 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kSameFrequency = 1e-6; // relative: of the same matrices on another machine
-constexpr double kSameShape = .99;      // cosine
+constexpr double kSameFrequency = 1e-6; // relative difference for the same matrices on another
+                                        // machine
+constexpr double kSameShape = .99;      // cosine of the angle between two mode shapes
 
 /// A table's body, solved at any shape.
 class ServedBody {

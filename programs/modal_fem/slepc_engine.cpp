@@ -28,10 +28,12 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   const std::size_t constrained = static_cast<std::size_t>(
       std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
-  // A few more than requested, as in find_modes; SLEPc finds at most as many as exist.
+  // Requests a few more modes than needed, as find_modes() does; SLEPc finds at most as many as
+  // exist.
   const std::size_t requested = std::min(count + 4, n - constrained - rigid.size() / n);
   const MpiRun slepc(kSlepc, kFiles);
-  // Both matrices, both triangles: 9 + 3 entries of 12 bytes a pair of nodes, and the vectors.
+  // Space for both triangles of both matrices, 9 + 3 entries of 12 bytes per pair of nodes, and for
+  // the vectors.
   slepc.require_disk_space(2 * 12 * 12. * static_cast<double>(matrices.graph.row.size()) +
                            8. * static_cast<double>(n * (requested + 16)));
   progress.stage("exporting the matrices", 0);

@@ -15,26 +15,26 @@ const std::vector<ShapeEntry>& shapes_of_parts() {
     std::vector<ShapeEntry> all{
         {"lift_arm",
          "a tractor's lift arm: a curved plate with three bosses (docs/part_stress.md)",
-         {{"length", mm(arm.length), "from the hub to the rod eye (380)"},
-          {"rise", mm(arm.rise), "of the centreline (55)"},
-          {"depth", mm(arm.depth), "of the plate at mid-length (108)"},
-          {"thickness", mm(arm.thickness), "of the plate (22)"},
+         {{"length", mm(arm.length), "distance from the hub to the rod eye (380)"},
+          {"rise", mm(arm.rise), "rise of the centreline (55)"},
+          {"depth", mm(arm.depth), "depth of the plate at mid-length (108)"},
+          {"thickness", mm(arm.thickness), "thickness of the plate (22)"},
           {"hub_bore", mm(arm.hub.bore), "(60)"},
           {"hub_diameter", mm(arm.hub.diameter), "(96)"},
           {"hub_width", mm(arm.hub.width), "(62)"},
-          {"lift_bore", mm(arm.lift_eye.bore), "of the cylinder's eye (30)"},
+          {"lift_bore", mm(arm.lift_eye.bore), "bore of the cylinder's eye (30)"},
           {"lift_diameter", mm(arm.lift_eye.diameter), "(56)"},
           {"lift_width", mm(arm.lift_eye.width), "(54)"},
-          {"lift_position", arm.lift_position, "along the centreline, between 0 and 1 (0.46)",
-           false},
-          {"rod_bore", mm(arm.rod_eye.bore), "of the lift rod's eye (26)"},
+          {"lift_position", arm.lift_position,
+           "position of that eye along the centreline, between 0 and 1 (0.46)", false},
+          {"rod_bore", mm(arm.rod_eye.bore), "bore of the lift rod's eye (26)"},
           {"rod_diameter", mm(arm.rod_eye.diameter), "(50)"},
           {"rod_width", mm(arm.rod_eye.width), "(50)"},
-          {"shoulder", mm(arm.shoulder), "of the plate around hub and rod eye (16)"},
+          {"shoulder", mm(arm.shoulder), "rim of the plate around hub and rod eye (16)"},
           {"boss_fillet", mm(arm.fillet), "(8)"},
-          {"slot_width", mm(arm.slot_width), "of the lightening holes; 0: none (28)"},
-          {"web", mm(arm.web), "between a boss and a lightening hole (14)"},
-          {"edge_radius", mm(arm.edge_radius), "of the plate's outline (0)"}}}};
+          {"slot_width", mm(arm.slot_width), "width of the lightening holes; 0: none (28)"},
+          {"web", mm(arm.web), "distance between a boss and a lightening hole (14)"},
+          {"edge_radius", mm(arm.edge_radius), "radius that rounds the plate's outline (0)"}}}};
     const auto& swept = known_shapes();
     all.insert(all.end(), swept.begin(), swept.end());
     return all;
@@ -103,8 +103,8 @@ LoadOptions read_load(const std::string& option, const std::string& words, doubl
   return load;
 }
 
-/// Default supports and loads of the lift arm: splined to its shaft, the lift rod pulls down, the
-/// cylinder pushes up.
+/// Default supports and loads of the lift arm: the arm is splined to its shaft, the lift rod pulls
+/// down, and the cylinder pushes up.
 void add_default_loads(PartOptions& options) {
   options.supports.push_back(read_support("--fix", "set:hub", 1));
   options.loads.push_back(read_load("--bolt", "set:rod_eye:0,-12000,0", 1));
@@ -175,7 +175,7 @@ std::vector<Output> PartOptions::outputs() const {
   return all;
 }
 
-// One piece: a table of the options.
+// Not split, because it is a table of the options.
 PartOptions read_options(const std::vector<std::string>& words) {
   PartOptions options;
   options.default_material = "steel";
@@ -219,7 +219,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
   }
   if (options.ranks > 0 && !options.petsc)
     throw InputError(
-        "--ranks sets the number of processes of --engine petsc: expected --engine petsc too");
+        "--ranks sets the number of processes of --engine petsc: expected also --engine petsc");
   if (options.petsc && !options.output.empty())
     throw InputError(
         "-o: the table needs derivatives with respect to every parameter, which --engine petsc "
@@ -231,7 +231,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
   if (options.list_faces && !options.is_file && !options.is_lift_arm())
     throw InputError("--list-faces lists the faces of a CAD file, not of " + options.body);
   if (options.is_lift_arm()) {
-    (void)options.lift_arm(); // refused before any work
+    (void)options.lift_arm(); // refuses wrong dimensions before any work
     if (options.supports.empty() && options.loads.empty() && options.gravity == Vec3{})
       add_default_loads(options);
   }
@@ -246,7 +246,7 @@ part_stress serve FILE.stress.npz [--tolerance T]   solve the part of a file aga
 
 BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimensions:
 )" + usage_of_shapes(shapes_of_parts()) +
-         usage_of_material() + R"(Supports      --fix WHERE[:xyz]             hold rigidly
+         usage_of_material() + R"(Supports      --fix WHERE[:xyz]             fix rigidly
               --spring WHERE:KX,KY,KZ       elastic support, N/m of the whole patch
 Loads         --force WHERE:FX,FY,FZ        total force, spread evenly, N (--load is the same)
               --bolt WHERE:FX,FY,FZ         force of a pin on the wall of its hole, N

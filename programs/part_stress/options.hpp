@@ -11,16 +11,16 @@ struct SupportOptions {
   std::string words;
   Region at_region;
   std::array<bool, 3> directions{true, true, true};
-  Vec3 stiffness_n_per_m{}; ///< zero: fixed
+  Vec3 stiffness_n_per_m{}; ///< if zero, the nodes are fixed
 };
 
 struct LoadOptions {
   enum class Kind : std::uint8_t { force, traction, pressure, bolt, point };
   Kind kind;
   std::string words;
-  Region at_region; ///< none for a point
+  Region at_region; ///< unused for a point
   Vec3 point;       ///< m
-  Vec3 value;       ///< N or Pa; a pressure's is in x
+  Vec3 value;       ///< N or Pa; a pressure is in x
 };
 
 /// A control point and its displacement, m.
@@ -35,8 +35,8 @@ struct PartOptions : BodyOptions {
   std::vector<LoadOptions> loads;
   Vec3 gravity; ///< m/s^2
 
-  DesignOptions design; ///< control points
-  double skin_edge = 0; ///< m; 0: the table has the mesh's own skin
+  DesignOptions design; ///< the control points
+  double skin_edge = 0; ///< m; 0 for the mesh's own skin in the table
   std::vector<Move> moves;
 
   bool petsc = false; ///< solve with PETSc on `ranks` processes
@@ -48,11 +48,11 @@ struct PartOptions : BodyOptions {
   /// The dimensions of the shape lift_arm. Refuses as check() does.
   [[nodiscard]] LiftArm lift_arm() const;
   [[nodiscard]] bool is_lift_arm() const { return !is_file && body == "lift_arm"; }
-  [[nodiscard]] bool needs_faces() const; ///< some region is a CAD face by its number
+  [[nodiscard]] bool needs_faces() const; ///< true if a region is the number of a CAD face
   [[nodiscard]] std::vector<Output> outputs() const;
 };
 
-/// Refuses unknown options and values. Lengths are in `--unit`.
+/// Reads the command line. Refuses unknown options and values. Lengths are in `--unit`.
 [[nodiscard]] PartOptions read_options(const std::vector<std::string>& words);
 
 /// The help text.

@@ -12,19 +12,21 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kDefaultElements =
-    2200; ///< asked of a file; curved faces take two to four times as many
+    2200; ///< goal for a file; curved faces need two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
-/// Elements around curved faces with curved edges: for the peak at a hole or fillet; and fewer for
-/// a table, whose derivatives by every parameter and solutions during a drag cost more.
+/// Numbers of elements around curved faces with curved edges. The first resolves the peak at a hole
+/// or fillet. The second, for a table, is smaller, because derivatives by every parameter and
+/// solutions during a drag cost more.
 constexpr int kElementsPerTurn = 12, kElementsPerTurnOfTable = 6;
 
-/// Memory per pair of nodes: K here during the export, and K, its levels and the vectors in PETSc's
-/// processes (measured, docs/results/part_stress.md); and memory of the libraries per process.
+/// Memory per pair of nodes, for K in this process during the export and for K, its levels and the
+/// vectors in PETSc's processes (measured, docs/results/part_stress.md). Then the libraries' memory
+/// per process.
 constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
 double bytes_of(const MeshSize& size, const PartOptions& options) {
-  if (options.petsc) { // too many processes are refused when the mesh is known
+  if (options.petsc) { // too many processes are refused later, when the mesh is known
     const double max_processes = size.nodes / static_cast<double>(kMinNodesPerProcess);
     return size.node_pairs * kPetscPairBytes +
            std::min<double>(options.ranks, max_processes) * kPetscProcessBytes + 5e7;
@@ -80,22 +82,22 @@ Mesh mesh_of_file(const PartOptions& options, const Budget& budget, ProgressLine
     };
   load.elements_per_turn = options.output.empty() ? kElementsPerTurn : kElementsPerTurnOfTable;
   if (options.output.empty()) {
-    load.swept_elements_per_turn = 2 * kElementsPerTurn; // a hole's peak within .5 %
+    load.swept_elements_per_turn = 2 * kElementsPerTurn; // gives a hole's peak within .5 %
     load.swept_smallest = 1.0 / 12;
   }
   load.size_for = [](double volume, double, double) {
     return std::cbrt(volume / (kTetrahedronShare * kDefaultElements));
   };
   load.limits.memory_bytes = static_cast<std::uint64_t>(budget.bytes());
-  load.on_prediction = [&](const MeshSize& size, const auto&) { // in the child
+  load.on_prediction = [&](const MeshSize& size, const auto&) { // called in the child process
     check_budget(options, budget, size, [&](double h) { return resized_tetrahedra(size, h); });
   };
   return options.is_lift_arm() ? mesh_lift_arm(options.lift_arm(), load)
                                : load_body(options.body, load);
 }
 
-/// Straightens the curved sides of tet10 whose scaled Jacobian is small, as long as that betters
-/// them: such elements would stop the first move of a control point.
+/// Straightens the curved sides of tet10 whose scaled Jacobian is small, if that improves them.
+/// Such elements would stop the first move of a control point.
 void straighten_flat(Mesh& mesh) {
   constexpr double kMinGoodJacobian = .15;
   constexpr std::array<std::array<std::size_t, 2>, 6> kSides{
@@ -120,7 +122,7 @@ void straighten_flat(Mesh& mesh) {
   }
 }
 
-/// Runs `select` with the option's words before its refusal.
+/// Runs `select`; prefixes its refusal with the option's words.
 template <class Select> auto selected(const std::string& words, Select&& select) {
   try {
     return select();
@@ -129,8 +131,9 @@ template <class Select> auto selected(const std::string& words, Select&& select)
   }
 }
 
-/// The direction that is most nearly in the plane of all faces: a round hole's axis. The smallest
-/// eigenvector of the mean of n n' is the largest of 1 - n n', found by powers.
+/// The axis of a round hole: the direction that is most nearly in the plane of all faces. It is the
+/// eigenvector of the smallest eigenvalue of the mean of n n', hence of the largest of 1 - n n',
+/// found by power iteration.
 Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
   std::array<Vec3, 3> m{};
   double whole = 0;
@@ -141,7 +144,8 @@ Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::s
       const auto local = static_cast<std::size_t>(face.node[c]);
       return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
     };
-    // The tangents at the centre; for a curved triangle from its shape functions' derivatives.
+    // The tangents at the centre. For a curved triangle they follow from the derivatives of its
+    // shape functions.
     Vec3 along_r = at_node(1) - at_node(0), along_s = at_node(2) - at_node(0);
     if (face.corners == 4) {
       along_r = at_node(2) - at_node(0);
@@ -192,8 +196,8 @@ Load load_of(const LoadOptions& options, const Mesh& mesh) {
     return Pressure{options.at_region.words, faces, options.value.x};
   case Kind::bolt: {
     Vec3 axis = axis_of_wall(mesh, faces, options.words);
-    // Facets find the axis within a percent; a force that is no further from perpendicular is meant
-    // to be perpendicular.
+    // The axis found from facets is accurate to a percent, so a force within that of the
+    // perpendicular counts as perpendicular.
     const double size = length(options.value);
     const double along = size > 0 ? dot(axis, options.value) / size : 0;
     if (std::abs(along) < .02 && size > 0)
@@ -205,7 +209,8 @@ Load load_of(const LoadOptions& options, const Mesh& mesh) {
   }
 }
 
-/// Refuses a load whose nodal forces all act on held directions: the supports take all of it.
+/// Refuses a load whose nodal forces all act in fixed directions, because the supports carry all of
+/// it.
 void check_loads_act(const PartOptions& options, const Mesh& mesh, const StaticModel& model) {
   const std::vector<std::uint8_t> held = held_directions(mesh, model.fixed);
   for (std::size_t k = 0; k < options.loads.size(); ++k) {

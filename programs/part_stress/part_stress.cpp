@@ -6,7 +6,7 @@
 //   2. model     supports, loads, a lattice of control points around the part
 //   3. solve     one factor for the displacement and for every parameter's derivative, or PETSc on
 //                several processes for the displacement
-//   4. move      control points, where asked: Taylor's series beside a new solution
+//   4. move      control points, if requested: Taylor's series beside a new solution
 //   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
 #include "fem/io/exchange.hpp"
 #include "fem/io/text.hpp"
@@ -147,13 +147,13 @@ struct Problem {
   std::vector<double> requested; ///< parameters of the moved shape
 };
 
-/// The results for the last shape.
+/// The results at the last shape.
 struct Outcome {
   std::vector<PictureState> states;
   Mesh mesh;
   StaticSolution solution;
   std::vector<double> parameters;
-  std::vector<double> taylor; ///< at the centroids of the moved shape, or empty
+  std::vector<double> taylor; ///< stress at the centroids of the moved shape, or empty
   std::string memory;
 };
 
@@ -174,7 +174,7 @@ void print_cut(const ValidStep& step) {
                 100 * step.fraction, step.element + 1);
 }
 
-/// With a factor in this process, which also serves the derivatives.
+/// Solves with a factor in this process, which also gives the derivatives.
 Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
   const auto& [options, words, mesh, model, space, requested] = problem;
   const bool derivatives = !options.output.empty() || !options.moves.empty();
@@ -215,7 +215,7 @@ Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
   return out;
 }
 
-/// On several processes; each shape is solved starting from the displacement of the previous one.
+/// Solves on several processes. Each solution starts from the displacement of the previous shape.
 Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
   const PartOptions& options = problem.options;
   const Mesh& mesh = problem.mesh;

@@ -21,7 +21,7 @@ struct Process {
   double bytes = 0, seconds = 0;
 };
 
-/// "2 processes: 142 MB and 1.9 s, 139 MB and 1.8 s"
+/// A text such as "2 processes: 142 MB and 1.9 s, 139 MB and 1.8 s".
 std::string process_list_text(std::span<const Process> processes) {
   std::string text =
       format(processes.size() == 1 ? "%zu process: " : "%zu processes: ", processes.size());
@@ -44,7 +44,8 @@ double norm(std::span<const double> x) {
   return std::sqrt(sum);
 }
 
-/// ||f - K u|| / ||f||, recomputed from the returned solution. Refuses if it is too large.
+/// ||f - K u|| / ||f||, recomputed from the returned solution. Refuses a residual that is too
+/// large.
 double checked_residual(const Matrices& m, const std::vector<double>& u,
                         const std::vector<double>& right) {
   std::vector<double> left(m.dofs());
@@ -69,13 +70,13 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
   const std::size_t n = m.dofs(), nodes = m.graph.node_count();
   check_ranks(ranks, nodes);
   const MpiRun petsc(kPetsc, kFiles);
-  // Both triangles, 9 entries of 12 bytes a pair of nodes, and the vectors.
+  // Space for both triangles, 9 entries of 12 bytes per pair of nodes, and for the vectors.
   petsc.require_disk_space(2 * 9 * 12. * static_cast<double>(m.graph.row.size()) +
                            8. * 4 * static_cast<double>(n));
   progress.stage("exporting the equations", 0);
   write_petsc(petsc.file("matrix"), m);
   const std::vector<double> right = system.right_side();
-  std::vector<double> vectors(3 * n, 0.0); // f, the start, the nodes
+  std::vector<double> vectors(3 * n, 0.0); // f, the initial displacement, the nodes
   std::copy(right.begin(), right.end(), vectors.begin());
   for (std::size_t i = 0; i < start.size(); ++i)
     vectors[n + i] = m.constrained[i] ? 0 : start[i];

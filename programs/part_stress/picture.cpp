@@ -64,7 +64,7 @@ std::vector<Arrow> arrows_of(const Mesh& mesh, const StaticModel& model) {
   return arrows;
 }
 
-/// Nodes of the skin that are fixed, and those on springs; x, y, z in turn, m.
+/// Positions of the skin's nodes that are fixed or on springs, as x, y, z in turn, m.
 std::vector<double> constrained_points(const Mesh& start, const StaticModel& model,
                                        const Surface& skin) {
   std::vector<double> constrained;
@@ -80,8 +80,8 @@ std::vector<double> constrained_points(const Mesh& start, const StaticModel& mod
   return constrained;
 }
 
-/// Largest stress, its place and its error, mean stress of the elements and its error, largest
-/// displacement, volume, whether the largest stress is at a singular corner.
+/// Largest stress, its position and its error, mean stress of the elements and its error, largest
+/// displacement, volume, and whether the largest stress is at a singular corner.
 std::array<double, 10> numbers_of(const PictureState& s) {
   const Vec3& at = s.nodes[s.peak];
   return {s.von_mises[s.peak],
@@ -96,11 +96,12 @@ std::array<double, 10> numbers_of(const PictureState& s) {
           double(s.peak_away.has_value())};
 }
 
-/// Nodes near a singular corner: of the elements that touch a concave edge, the border of a support
-/// or a node with a force of its own, and within a quarter of the body's wall (twice its volume
-/// over its skin) of these.
+/// Marks nodes near a singular corner. A corner is on a concave edge, on the border of a support,
+/// or at a node with a point force. Near are the nodes of the elements that touch a corner, and
+/// those within a quarter of the body's wall thickness (twice its volume over its skin area) of
+/// one.
 std::vector<std::uint8_t> singular_corners(const Mesh& mesh, const StaticModel& model) {
-  // The facets of a wall with six elements a turn meet at 30 degrees, at middle nodes.
+  // If a round wall has six elements per turn, its facets meet at 30 degrees at the middle nodes.
   constexpr double kTurn = 40 * std::numbers::pi / 180;
   const std::vector<std::uint8_t> held = held_directions(mesh, model.fixed);
   std::vector<std::uint8_t> corner = singular_nodes(mesh, held, kTurn);
@@ -120,7 +121,7 @@ std::vector<std::uint8_t> singular_corners(const Mesh& mesh, const StaticModel& 
         near[static_cast<std::size_t>(n)] = 1;
   }
   const double reach = .5 * volume(mesh) / area(mesh, outer_faces(mesh));
-  const Surface skin = surface_of(mesh); // a peak is on the skin
+  const Surface skin = surface_of(mesh); // the largest stress is on the skin
   for (const int n : skin.node)
     for (std::size_t c = 0; c < corners.size() && !near[static_cast<std::size_t>(n)]; ++c)
       near[static_cast<std::size_t>(n)] =
@@ -128,7 +129,7 @@ std::vector<std::uint8_t> singular_corners(const Mesh& mesh, const StaticModel& 
   return near;
 }
 
-/// Draws the sheet from the arrays, which stand in a file beside it meanwhile.
+/// Draws the sheet from the arrays, which are meanwhile in a file beside it.
 void draw_arrays(const std::string& picture, const NpzWriter& npz) {
   const std::string between = picture + ".npz.partial";
   struct Remover {

@@ -12,7 +12,7 @@ struct Region {
   Selection selection;
 };
 
-/// Reads the region at the head of `parts`, the cells between colons, and takes them away:
+/// Reads the region from the first of `parts`, the words between colons, and removes these:
 ///
 ///   x=LEVEL                          nodes and faces on a plane across x, y or z
 ///   plane:X,Y,Z,NX,NY,NZ             on the plane through a point with a normal
@@ -23,11 +23,11 @@ struct Region {
 ///   set:NAME                         a set of nodes that the mesh names
 ///   face:N                           a face of a CAD file, by its number
 ///
-/// Lengths count in `unit` metres. `option` is named in errors.
+/// Lengths are in units of `unit` metres. `option` is named in errors.
 [[nodiscard]] Region read_region(const std::string& option, std::vector<std::string>& parts,
                                  double unit);
 
-/// Numbers between commas, each times `scale`; refuses another count.
+/// Reads numbers between commas, each multiplied by `scale`. Refuses another count.
 [[nodiscard]] std::vector<double> read_numbers(const std::string& option, const std::string& cells,
                                                std::size_t count, double scale);
 [[nodiscard]] Vec3 read_vector(const std::string& option, const std::string& cells,

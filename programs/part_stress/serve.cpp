@@ -25,8 +25,8 @@ std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-/// Handles one request: moves the nodes, solves, answers. Returns whether a new factorisation
-/// before the next request would save time. Throws InputError when it refuses the request.
+/// Handles one request: moves the nodes, solves and answers. Returns whether a new factorisation
+/// before the next request would save time. Throws InputError if it refuses the request.
 bool answer(Reanalysis& part, std::span<const char> request, const DesignSpace& space) {
   const std::size_t parameters = space.parameters.size();
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
@@ -104,7 +104,7 @@ int serve(const std::vector<std::string>& words) {
     throw InputError("serve: expected one file, NAME.stress.npz, optionally --tolerance T");
   const double tolerance =
       words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
-  set_solver_threads(1); // its dense blocks are small: threads would wait for each other
+  set_solver_threads(1); // the dense blocks are small, so threads would only wait for each other
   const ServedPart source = read_served_part(words[0], "stress-table", "part_stress");
   const PartOptions options = read_served_options(words[0], source.command, read_options);
   const StaticModel model = model_of(options, source.mesh);

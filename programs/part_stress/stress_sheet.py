@@ -2,8 +2,8 @@
 """stress_sheet.py PART.npz PICTURE.png: a loaded part in the colours of its von Mises stress, before and after its
 control points moved.
 
-Supports are drawn in grey, loads as red arrows, control points that may move as blue dots (others hollow); the
-large dot marks the highest stress. part_stress --sheet writes PART.npz and calls this.
+Supports are drawn in grey, loads as red arrows, control points that may move as blue dots (others hollow); the large
+dot marks the highest stress. part_stress --sheet writes PART.npz and calls this script.
 """
 import json
 import sys
@@ -19,7 +19,8 @@ from matplotlib.tri import Triangulation
 
 INK, PAPER, FAINT, HELD, LOAD, CONTROL = "#22303c", "#fbfaf7", "#a9b4bd", "#3d4c5a", "#b3262e", "#1d5fa8"
 MAP = matplotlib.colormaps["turbo"]
-ELEVATION, AZIMUTH = np.radians(20), np.radians(16)  # viewer above and to the right of z, which points at the viewer
+ELEVATION, AZIMUTH = np.radians(20), np.radians(16)  # the viewer is above and to the right of the z axis, which points
+                                                     # at the viewer
 EYE = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), np.cos(ELEVATION) * np.cos(AZIMUTH)])
 RIGHT = np.array([np.cos(AZIMUTH), 0, -np.sin(AZIMUTH)])
 UP = np.cross(EYE, RIGHT)
@@ -42,7 +43,7 @@ def draw_body(axes, points, triangles, stress, top):
     # Each triangle has its own corners, since neighbouring triangles are lit differently.
     flat = on_paper(points)[corners]
     own = Triangulation(*flat.reshape(-1, 2).T, triangles=np.arange(3 * len(corners)).reshape(-1, 3))
-    rgb = colours.mean(axis=1)  # below, against hairlines between triangles
+    rgb = colours.mean(axis=1)  # drawn below, against hairlines between triangles
     axes.add_collection(PolyCollection(flat, facecolors=rgb, edgecolors=rgb, linewidths=0.5, zorder=1.9))
     smooth = TriMesh(own, zorder=2)
     smooth.set_facecolor(np.concatenate([colours.reshape(-1, 3), np.ones((3 * len(corners), 1))], axis=1))
@@ -112,7 +113,7 @@ def main(data_path, picture_path):
     data = np.load(data_path)
     meta = json.loads(bytes(data["meta"]))
     states = len(data["nodes"])
-    # A few nodes at re-entrant corners would set the scale alone.
+    # Otherwise a few nodes at re-entrant corners would determine the scale.
     top = max(np.percentile(data["stress"][0], 99.8), 1e-3)
     everything = [data["nodes"].reshape(-1, 3), data["controls"], data["moved_controls"]]
     flat = on_paper(np.concatenate(everything))

@@ -1,6 +1,6 @@
 // tactus_reed_map PRESET [options] > map.csv
 //
-// Where an instrument plays, over mouth pressure and reed frequency, one line a node:
+// Where an instrument plays, over mouth pressure and reed frequency, one line per node:
 //   y,z,pressure_pa,reed_hz,f_p,growth_per_s,frequency_hz,free
 // f_p by playing the node from rest for 0.7 s; growth rate and frequency of the dominant mode by
 // linear theory; free is 0 where the valve rests against its stop or limit, so that no note starts.
@@ -52,7 +52,8 @@ int refuse(const std::string& sentence) {
   return 1;
 }
 
-/// Numbers that follow an option, each within low..high; empty when one is missing or outside.
+/// Reads the numbers that follow an option, each within low..high. Returns false if one is missing
+/// or outside.
 bool take(std::span<char*> words, std::size_t at, std::span<double> values, double low,
           double high) {
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -65,7 +66,7 @@ bool take(std::span<char*> words, std::size_t at, std::span<double> values, doub
   return true;
 }
 
-/// A sentence when the command line is not understood, else empty.
+/// Reads the command line. Returns an empty text, or a sentence if the command line is not valid.
 std::string read(std::span<char*> words, Order& order) {
   if (words.empty())
     return "no preset given: expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";

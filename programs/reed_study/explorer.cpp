@@ -7,7 +7,8 @@
 namespace tactus::study {
 namespace {
 
-/// A straight move of minimum jerk (Flash & Hogan 1985): 10 t^3 - 15 t^4 + 6 t^5 of the way.
+/// A straight move of minimum jerk (Flash & Hogan 1985): it covers 10 t^3 - 15 t^4 + 6 t^5 of the
+/// path.
 haptic::RowPath move(const Vec3& from, const Vec3& to, double duration_s) {
   constexpr double kRow_s = 5e-3;
   const auto rows = static_cast<std::size_t>(std::ceil(duration_s / kRow_s));
@@ -26,7 +27,7 @@ haptic::RowPath move(const Vec3& from, const Vec3& to, double duration_s) {
 haptic::HandSettings Explorer::hand_settings(haptic::HandSettings hand) const {
   const bool wanders = settings_.strategy == Strategy::kWanders;
   hand.hold = haptic::HandSettings::Hold::kPerson;
-  hand.wander_m = wanders ? settings_.wander_m : 0; // a searching hand does not wander in addition
+  hand.wander_m = wanders ? settings_.wander_m : 0; // a searching hand does not also wander
   hand.wander_hz = wanders ? settings_.wander_hz : hand.wander_hz;
   return hand;
 }

@@ -1,7 +1,8 @@
 // tactus_reed_study PRESET [options] > trials.csv
 //
-// Does the feel help? Simulated hands that know nothing of the notes explore the plane of mouth
-// pressure and reed frequency, from a silent start, with and without force; one line a trial:
+// Measures whether the force helps. Simulated hands without any knowledge of the notes explore the
+// plane of mouth pressure and reed frequency, from a silent start, with and without force; one line
+// a trial:
 //   preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,first_s,silence_s,
 //   force_n,playing_force_n,speed_mm_s,places
 // The columns are explained in trial.hpp and docs/results/reed_study.md. A seed is one person with
@@ -50,7 +51,7 @@ std::optional<study::Feel> feel_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// The words after an option, up to the next one.
+/// The words after an option, up to the next option.
 std::span<char*> values_of(std::span<char*> arguments, std::size_t option) {
   std::size_t end = option + 1;
   while (end < arguments.size() && std::string_view(arguments[end]).substr(0, 2) != "--")
@@ -58,7 +59,7 @@ std::span<char*> values_of(std::span<char*> arguments, std::size_t option) {
   return arguments.subspan(option + 1, end - option - 1);
 }
 
-/// All of the words as numbers; none when one is wrong or there are too few or too many.
+/// All words as numbers; empty if a word is wrong or if there are too few or too many.
 std::vector<double> numbers(std::span<char*> arguments, std::size_t max_count, double low,
                             double high) {
   std::vector<double> found;
@@ -71,7 +72,7 @@ std::vector<double> numbers(std::span<char*> arguments, std::size_t max_count, d
   return found;
 }
 
-/// A sentence when the option is not understood, else empty.
+/// Sets an option. Returns an empty text, or a sentence if the option is not valid.
 std::string parse_option(std::string_view option, std::span<char*> values, Options& options) {
   constexpr std::size_t kMany = 20;
   std::vector<double> v;
@@ -147,7 +148,7 @@ std::string parse(std::span<char*> arguments, Options& options) {
   return "";
 }
 
-/// The planes of the reed patch for the two instruments it is shown with; else where notes lie.
+/// For the two instruments of the reed patch, its planes; for others, the range in which notes lie.
 reed::ControlRange plane_of(const std::string& preset, const reed::Parameters& parameters) {
   if (preset == "trumpet")
     return {0, 8000, 80, 900};

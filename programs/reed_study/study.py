@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""The study of docs/results/reed_study.md: which trials are run, and the tables made of them.
+"""The study of docs/results/reed_study.md: runs its trials and makes its tables.
 
   programs/reed_study/study.py run --program build/programs/reed_study/tactus_reed_study [--out FILE]
   programs/reed_study/study.py table equal_forces|summary|stiffness|yields|gains [PRESET HAND]
 
-`run` runs every trial (some minutes) and writes them, by default to docs/results/reed_study_trials.csv;
-`table` prints a table of that page from the file."""
+`run` runs every trial, which takes some minutes, and writes the trials, by default to
+docs/results/reed_study_trials.csv; `table` prints a table of that page from the file."""
 import argparse
 import csv
 import functools
@@ -18,7 +18,7 @@ import sys
 import numpy
 
 TRIALS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "results" / "reed_study_trials.csv"
-DESIGNED_ON = ("trumpet", "clarinet")  # guidance was made and its numbers chosen on these
+DESIGNED_ON = ("trumpet", "clarinet")  # the instruments on which guidance was developed
 INSTRUMENTS = ("trumpet", "clarinet", "sax", "oboe", "trombone", "voice")
 UNSEEN = (101, 120)                    # seeds that were not run before guidance was finished
 NAMES = {"off": "no force", "reeds": "five reeds", "growth": "growth rate",
@@ -53,7 +53,7 @@ def orders():
 
 
 def execute(program, arguments):
-    """The program's rows; the work is shared among the machine's cores."""
+    """Returns the program's rows; the work is shared among the machine's cores."""
     parts = min(os.cpu_count() or 1, 8)
     runs = [subprocess.Popen([program, *map(str, arguments), "--part", f"{i}/{parts}"],
                              stdout=subprocess.PIPE, text=True) for i in range(1, parts + 1)]
@@ -71,7 +71,7 @@ def parsed(text):
 
 
 def run_all(program, progress=lambda what: None):
-    """Every trial once."""
+    """Runs every trial once."""
     found = {}
     for what, arguments in orders():
         progress(what)
@@ -95,7 +95,7 @@ def committed():
 # ---- statistics -----------------------------------------------------------------------------
 
 def column(rows, key, seeds=(1, 20), **wanted):
-    """One value a seed, in order of seeds; the usual hand and gain where nothing else is wanted."""
+    """One value per seed, in order of seeds; the usual hand and gain unless others are requested."""
     wanted = USUAL | wanted
     chosen = [row for row in rows if all(row[name] == value for name, value in wanted.items())
               and seeds[0] <= row["seed"] <= seeds[1]]
@@ -125,7 +125,7 @@ def said(triple, scale=1, digits=0, unit=""):
 # ---- tables: (header, rows) -----------------------------------------------------------------
 
 def equal_forces(rows):
-    """Paper and guidance at equal ceilings of one and two, on unseen seeds."""
+    """Compares the paper's force with guidance at equal ceilings of 1 and 2 N, on unseen seeds."""
     table = []
     for preset in INSTRUMENTS:
         common = {"preset": preset, "hand": "searches", "seeds": UNSEEN}
@@ -138,7 +138,7 @@ def equal_forces(rows):
 
 
 def summary(rows, preset, hand):
-    """Every force of one instrument and hand."""
+    """Compares all forces for one instrument and hand."""
     table = []
     for feel in NAMES:
         for ceiling in (0,) if feel == "off" else (1, 2):

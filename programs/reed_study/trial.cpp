@@ -8,13 +8,13 @@ namespace tactus::study {
 namespace {
 
 constexpr std::size_t kRate = 48000;
-// Samples: the servo's period, the patch's block, and the step that divides both and 32.
+// In samples: the servo's period, the patch's block, and the step that divides both and 32.
 constexpr std::size_t kTick = 48, kBlock = 64, kStep = 16;
 constexpr double kTick_s = static_cast<double>(kTick) / kRate;
 constexpr double kBlock_s = static_cast<double>(kBlock) / kRate;
 constexpr std::size_t kGrid = 10;
 
-/// A random position, uniform over the silent ones.
+/// A random position, uniform over the silent positions.
 reed::Gradient random_silent_position(const World& world, std::uint64_t seed) {
   Random random(seed);
   for (;;) {
@@ -141,7 +141,7 @@ World::World(const reed::Parameters& given, const reed::ControlRange& plane)
 }
 
 TrialResult run(const World& world, const TrialSettings& settings, std::vector<Sample>* trace) {
-  // Unrelated streams for the person, the start and the search.
+  // The person, the start and the search have unrelated random streams.
   Explorer explorer(settings.exploration, 3 * settings.seed + 1);
   haptic::SimulatedDevice::Settings handle;
   handle.hand = explorer.hand_settings(settings.hand);

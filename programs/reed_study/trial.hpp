@@ -16,7 +16,7 @@ namespace tactus::study {
 /// The force on the hand.
 enum class Feel {
   kOff,
-  kReeds,    ///< slope of f_p over five reeds, the paper's
+  kReeds,    ///< slope of f_p over five reeds, as in the paper
   kGrowth,   ///< slope of tanh(g/50), g the growth rate of linear theory
   kHeight,   ///< slope of GrowthMap's height, which also has a slope in silent regions
   kGuidance, ///< Guidance over the same map
@@ -30,7 +30,7 @@ struct World {
 
   reed::Parameters parameters;
   reed::ControlRange range;
-  reed::PlayabilityMap played; ///< f_p from rest; the study's starts are where this is silent
+  reed::PlayabilityMap played; ///< f_p from rest; the study starts where it is silent
   reed::GrowthMap theory;
   reed::GradientField growth; ///< tanh(g/50)
   reed::GuidanceField guidance;
@@ -40,24 +40,24 @@ struct TrialSettings {
   Feel feel = Feel::kOff;
   std::uint64_t seed = 1;
   double duration_s = 60;
-  double ceiling_n = 1; ///< F_max, of each axis for slopes, of the vector for Guidance
-  double gain_n = 0.3;  ///< of slopes
+  double ceiling_n = 1; ///< F_max of each axis for slopes, of the vector for guidance
+  double gain_n = 0.3;  ///< gain of slopes
   haptic::HandSettings hand{};
   ExplorationSettings exploration{};
 };
 
-/// A note plays while f_p > 0.3; it is found, or lost, once that has changed for 0.1 s.
+/// A note plays while f_p > 0.3. It is found or lost once this has been true or false for 0.1 s.
 inline constexpr double kPlays = 0.3, kMinDuration_s = 0.1;
 
 struct TrialResult {
-  double playing = 0;         ///< share of the time
+  double playing = 0;         ///< share of the time with a note
   int losses = 0;             ///< notes lost
-  double first_s = 0;         ///< until the first note; the duration if none
+  double first_s = 0;         ///< time until the first note; the whole duration if there is none
   double silence_s = 0;       ///< mean time from losing (or the start) to finding a note
   double force_n = 0;         ///< mean size of the force on the handle
-  double playing_force_n = 0; ///< the same while a note plays
-  double speed_m_per_s = 0;   ///< mean; well above that with no force, the force shakes the hand
-  int played_cells = 0;       ///< squares of a tenth of the plane's side in which a note played
+  double playing_force_n = 0; ///< mean size of the force while a note plays
+  double speed_m_per_s = 0;   ///< mean; if well above that without force, the force shakes the hand
+  int played_cells = 0;       ///< number of squares, a tenth of the plane's side, with a note
 };
 
 struct Sample {

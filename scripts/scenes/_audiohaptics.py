@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PATCH = ROOT / "patches" / "audiohaptics" / "audiohaptics.pd"
 RATE = 48000
 TOPICS = ("hit", "contact", "release")
-NEAR, FAR = "ah-near", "ah-far"  # the speaker on the hand; the chair
+NEAR, FAR = "ah-near", "ah-far"  # receivers of the listener at the hand's speaker and in the chair
 
 
 def taps_seconds():
@@ -29,7 +29,7 @@ def render(listener, seconds, path="taps.txt", pair=False, begin_ms=100):
         patch.send(1, listener, "bang")
         if pair:
             patch.send(2, "ah-pair", "bang")
-            patch.send(2, "ah-words", "choke 0.35")  # so that one disk is quiet before the other
+            patch.send(2, "ah-words", "choke 0.35")  # so that one disk is quiet before the other is struck
         patch.send(3, "ah.phantom", f"trace {folder}/ticks.csv")
         patch.send(begin_ms, "ah-hand", f"path {path}")
         patch.send(1000 * seconds - 5, "ah.phantom", "trace stop")
@@ -49,8 +49,8 @@ def table_modes(name="disk"):
 
 
 def latencies(path, rate=RATE, seconds=7.2, table="disk.modal.npz"):
-    """[(hit's tick in ms, first tick with force in ms, first sample of the contact's sound in ms)] of
-    each tap, with a rigid hand: the chain from the servo's contact to force and sound."""
+    """[(hit's tick in ms, first tick with force in ms, first sample of the contact's sound in ms)] of each tap with a
+    rigid hand, to measure the delay from the servo's contact to force and sound."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         patch = Patch()
         sensor = patch.obj("ioa_sdd_phantom", "lab")

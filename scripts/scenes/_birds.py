@@ -1,8 +1,8 @@
 """Birds on [greed~ -preset syrinx]: a swinging valve on a short windpipe, swept by its muscles.
 
-A bird's song is breath and muscle: each syllable is a pulse of pressure while the tension of the
-valve, its f_r, moves. The three differ in size: the windpipe's length and width and the valve's
-mass. A wide windpipe loads the valve less and gives a fluted tone.
+A bird's song is breath and muscle: each syllable is a pulse of pressure while the tension of the valve, its f_r, moves.
+The three birds differ in size: the windpipe's length and width, and the valve's mass. A wide windpipe loads the valve
+less and gives a fluted tone.
 """
 import numpy
 from harness import Patch
@@ -10,7 +10,7 @@ from harness import Patch
 RATE = 48000
 SECONDS = 19.0
 
-# flags of [greed~]; where it sits, -1 left to 1 right; how loud in the mix
+# Flags of [greed~]; position, -1 left to 1 right; level in the mix.
 BIRDS = {
     "thrush": {"flags": ("-length", 0.02, "-radius", 3e-3, "-radius_end", 6e-3, "-mass", 2e-7),
                "pan": -0.35, "level": 0.55},
@@ -22,8 +22,8 @@ BIRDS = {
 
 
 def thrush():
-    """Fluted phrases of a few notes and a twitter at the end; each syllable is (begin s, length s, f_r
-    points Hz, pressure Pa)."""
+    """Fluted phrases of a few notes, with a twitter at the end; each syllable is (begin s, length s, f_r points Hz,
+    pressure Pa)."""
     phrase = [
         [(0.00, 0.26, [2050, 2250, 2200], 3000), (0.30, 0.16, [2650, 2900], 3400),
          (0.48, 0.34, [2450, 2350, 2100], 3200), (0.90, 0.09, [3500, 3900], 4000),
@@ -40,7 +40,7 @@ def thrush():
 
 
 def warbler():
-    """A trill of falling chirps that quickens."""
+    """A trill of falling chirps that becomes faster."""
     found = []
     for at, count, rate in ((2.6, 12, 11.0), (9.6, 16, 12.5), (16.6, 10, 10.0)):
         now = at
@@ -62,7 +62,7 @@ SONGS = {"thrush": thrush, "warbler": warbler, "dove": dove}
 
 
 def controls(syllables, seed):
-    """Mouth pressure and reed frequency at the sample rate, a little different each time."""
+    """Mouth pressure and reed frequency at the sample rate, slightly different each time."""
     random = numpy.random.default_rng(seed)
     count = int(SECONDS * RATE)
     pressure = numpy.zeros(count)

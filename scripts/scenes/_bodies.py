@@ -19,9 +19,9 @@ def program():
 
 
 def table(*words, sheet=False):
-    """The path of modal_fem's table for these words of its command line. Computed once: the file
-    is stored in the build folder under a name derived from the words, the program, and the files
-    read. With sheet, its picture is beside it under the same name, .png."""
+    """The path of modal_fem's table for these words of its command line. The table is computed once and stored in the
+    build folder, under a name derived from the words, the program, and the files read. With `sheet`, its picture is
+    beside it with the same name and the ending .png."""
     words = [str(w) for w in words]
     key = hashlib.sha256(program().read_bytes())
     for word in words:
@@ -32,7 +32,7 @@ def table(*words, sheet=False):
     folder.mkdir(exist_ok=True)
     path = folder / f"{pathlib.Path(words[0]).stem}-{key.hexdigest()[:16]}.modal.npz"
     picture = path.with_suffix("").with_suffix(".png")
-    with open(path.with_suffix(".lock"), "w") as lock:  # scenes that run at the same time share tables
+    with open(path.with_suffix(".lock"), "w") as lock:  # locked, because scenes that run at the same time share tables
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not path.is_file() or (sheet and not picture.is_file()):
             drawn = ["--sheet", picture] if sheet else []
@@ -53,9 +53,8 @@ def ball(radius=BALL["radius"], E=BALL["E"], nu=BALL["nu"], density=BALL["densit
 
 
 def strike(path, strikes, seconds, settings=(), gain=0.1, rate=RATE, flags=()):
-    """Render of [modal_impact~] playing the table: "left", "right" in Pa times gain and "contact"
-    in N. blows is [(s, message or messages)], such as (0.1, "hit 25 0 6 1.4"); settings are
-    messages at time 0."""
+    """Render of [modal_impact~] playing the table: "left", "right" in Pa times gain and "contact" in N. strikes is [(s,
+    message or messages)], such as (0.1, "hit 25 0 6 1.4"); settings are messages at time 0."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         (pathlib.Path(folder) / "body.modal.npz").symlink_to(path)
         patch = Patch()
@@ -78,9 +77,9 @@ def spectrum(samples, rate=RATE, size=1 << 19):
 
 
 def peaks(samples, rate=RATE, low_hz=500, high_hz=20000, below_db=60, apart_hz=40, count=12):
-    """[(Hz, dB below the loudest)] of the spectrum's peaks, the loudest first; the frequency is that of a
-    parabola through the top of each, in logarithm. A peak is the highest within apart_hz on both
-    sides, so a ripple on the skirt of another is not one."""
+    """[(Hz, dB below the loudest)] of the spectrum's peaks, the loudest first; the frequency is that of a parabola
+    through the top of each peak, in dB. A peak is the highest value within apart_hz on both sides, so a ripple on the
+    skirt of another peak does not count."""
     f, a = spectrum(samples, rate)
     level = 20 * numpy.log10(numpy.maximum(a, 1e-30))
     tops = numpy.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1
@@ -97,9 +96,8 @@ def peaks(samples, rate=RATE, low_hz=500, high_hz=20000, below_db=60, apart_hz=4
 
 
 def nodal_diameters(path, rim_m, face_m):
-    """Number of nodal diameters of each mode of a round body: the strongest angular harmonic of the
-    axial motion along the rim of the face at height face_m (of the radial motion where the mode
-    lies in the plane)."""
+    """Number of nodal diameters of each mode of a round body: the strongest angular harmonic of the axial motion along
+    the rim of the face at height face_m (of the radial motion if the mode is in the plane)."""
     body = numpy.load(path)
     xyz, phi = body["xyz"].astype(float), body["phi"].astype(float)
     radius = numpy.hypot(xyz[:, 0], xyz[:, 1])

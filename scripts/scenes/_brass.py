@@ -12,8 +12,8 @@ import score
 
 FANFARE = pathlib.Path(__file__).resolve().parents[2] / "data" / "music" / "fanfare.mid"
 RATE = 48000
-GLIDE = 0.01  # s that lips take from note to note
-SOFTER_DB = 6    # below the preset's breath_ref: the breath of velocity 64; the score has 72 to 98
+GLIDE = 0.01  # s in which the lips move from note to note
+SOFTER_DB = 6    # breath of velocity 64 below the preset's breath_ref, dB; the score has 72 to 98
 BURST = 0.3      # of the tongue: softer than the presets', which speak from soft breath too
 # preset, MIDI channel, -1 left to 1 right, dB in the mix
 VOICES = [("trumpet", 0, -0.45, 0), ("trumpet", 1, -0.15, -2), ("trombone", 2, 0.2, -3),
@@ -21,7 +21,7 @@ VOICES = [("trumpet", 0, -0.45, 0), ("trumpet", 1, -0.15, -2), ("trombone", 2, 0
 
 
 def players():
-    """{preset: (technique, gain)}, each for all the notes of its voices."""
+    """{preset: (technique, gain)}, each for all notes of its voices."""
     found = {}
     for preset in {preset for preset, *_ in VOICES}:
         pitches = {n.pitch for p, channel, *_ in VOICES if p == preset
@@ -57,16 +57,15 @@ def play(preset, gesture, gain, rate=RATE):
 
 
 def lost(sound, notes):
-    """The pitches that were missed: out of tune, or another register."""
+    """The pitches that were missed, because they are out of tune or in another register."""
     return {n.pitch for n, j in zip(notes, listening.measure_notes(sound, RATE, notes, score.frequency))
             if not abs(j["cents"]) < 9 or j["fundamental_db"] < -30}
 
 
 def rehearse(preset, notes, technique, gain, seed):
-    """(gesture, sound): what is missed is tried again with less or more breath, as long as it takes
-    within four goes; the best go counts."""
+    """(gesture, sound): missed notes are tried again with less or more breath, up to four times; the best try counts."""
     best = None
-    for change in (0, -1, 1, -2, 2):  # dB
+    for change in (0, -1, 1, -2, 2):  # change of breath, dB
         if best:
             technique = dataclasses.replace(technique, level_db={
                 **best[3].level_db, **{p: best[3].level_db.get(p, 0) + change for p in best[0]}})

@@ -1,4 +1,4 @@
-"""Parts of ./play design: tables of part_stress, shapes made of them, and a program that solves them again."""
+"""Parts of ./play design: tables of part_stress, shapes made from them, and a program that solves the shapes again."""
 import struct
 import subprocess
 
@@ -10,8 +10,8 @@ PCG, NEW_FACTOR = 1, 2
 
 
 class Part:
-    """A table and its shapes. Parameters are displacements of coordinates of control points, m. A handle is
-    what patches/design drags: the control points of all layers at one x and y."""
+    """A table and its shapes. Parameters are displacements of coordinates of control points, m. A handle is the set of
+    control points of all layers at one x and y, which patches/design drags together."""
 
     def __init__(self, name, layer):
         self.path = stage_folder() / f"{name}.stress.npz"
@@ -52,7 +52,7 @@ class Part:
         return float((a * numpy.cross(b, c)).sum() / 6)
 
     def seen(self):
-        """Triangles of the side view that the patches show, the furthest first."""
+        """Triangles of the side view that the patches show, the farthest first."""
         first = self.nodes[self.triangles]
         normals = numpy.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
         seen = numpy.flatnonzero(normals[:, 2] > 1e-3 * numpy.linalg.norm(normals, axis=1))
@@ -76,8 +76,8 @@ class Part:
         return numpy.stack([begin, end], axis=1)[~inside.any(1)]
 
     def draw(self, axes, parameters, stress, scale):
-        """The side view, mm and MPa, with the outline of the first shape; the collection of its faces, for a
-        colour bar."""
+        """Draws the side view, in mm and MPa, with the outline of the first shape. Returns the collection of its faces,
+        for a colour bar."""
         from matplotlib.collections import LineCollection, PolyCollection
         seen = self.seen()
         colours = PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], cmap="turbo", edgecolors="face",
@@ -116,7 +116,7 @@ class Solver:
         return payload
 
     def _ask(self, method, flags, parameters):
-        """Payload of the answer, or None if the mesh cannot take that shape; and the duration in seconds."""
+        """Payload of the answer, or None if the mesh cannot have that shape, and the duration in seconds."""
         request = struct.pack("<II", method, flags) + numpy.asarray(parameters, "<f8").tobytes()
         self.process.stdin.write(struct.pack("<IIQ", MAGIC, SOLVE, len(request)) + request)
         self.process.stdin.flush()
@@ -131,16 +131,15 @@ class Solver:
         return numpy.frombuffer(payload, "<f4", int(numpy.prod(shape)), offset).reshape(shape).astype(float)
 
     def solve(self, parameters):
-        """(stress in Pa, seconds) by conjugate gradients. Raises an error if the mesh cannot take that
-        shape."""
+        """(stress in Pa, seconds) by conjugate gradients. Raises an error if the mesh cannot have that shape."""
         payload, seconds = self._ask(PCG, 0, parameters)
         if payload is None:
             raise RuntimeError("the mesh would be too distorted in this shape")
         return self._floats(payload, 0, len(self.part.stress)), seconds
 
     def linearised(self, parameters):
-        """(stress in Pa, its derivatives in Pa/m of shape (parameters, elements)) at a shape, by a new factor;
-        None where the mesh does not reach it."""
+        """(stress in Pa, its derivatives in Pa/m of shape (parameters, elements)) at a shape, by a new factor; None if
+        the mesh cannot reach it."""
         payload, _ = self._ask(NEW_FACTOR, 1, parameters)
         if payload is None:
             return None

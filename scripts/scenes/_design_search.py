@@ -1,12 +1,12 @@
-"""The peak stress of a part lowered at equal volume: by feel, at random, and by descent on the exact derivative.
+"""Lowers the peak stress of a part at equal volume: by feel, at random, and by descent with the exact derivative.
 
-A shape is given by the coordinates of the part's handles, m. No coordinate goes beyond LIMIT; after every move
-all coordinates are shifted along the gradient of the volume until the part has its first volume again.
+A shape is given by the coordinates of the part's handles, m. No coordinate exceeds LIMIT. After every move, all
+coordinates are shifted along the gradient of the volume until the part has its first volume again.
 
-In Pd: [stress_haptic] evaluates the stress of each shape, sets gamma's range about the current value, and
-answers a pull of the handle by the force of its spring. Here: handles are chosen at random, the shapes of the
-pulls are made (at equal volume), forces that differ by less than `noticed` count as equal, and the handle is
-moved by STEP towards the softer side. Only `descend` uses stress and derivatives directly.
+In Pd: [stress_haptic] evaluates the stress of each shape, sets gamma's range about the current value, and answers a
+pull of the handle with the force of its spring. In this script, handles are chosen at random, the shapes of the pulls
+are made (at equal volume), forces that differ by less than `noticed` count as equal, and the handle is moved by STEP
+towards the softer side. Only `descend` uses stress and derivatives directly.
 
 Run as a program it compares the setups on seeds that were not used to choose among them; see `main`.
 """
@@ -20,11 +20,11 @@ from harness import Patch
 STEP, LIMIT = 3e-3, 8e-3  # m
 ROUNDS = 30
 REACH = 2e-3  # m that a pull displaces the point
-PULL_MM = 10  # of the handle; a scale of 0.2
-SETTLE_MS, RANGE_MS = 60, 120  # gamma follows a shape within 50 ms, a range within 100 ms
+PULL_MM = 10  # mm of the handle, with a scale of 0.2
+SETTLE_MS, RANGE_MS = 60, 120  # gamma follows a shape within 50 ms, and a range within 100 ms
 GAINS = "100 500 0 0"
 DESCENT_NORM, SHORTEST = 30, 0.1e-3
-PATIENCE, CONVERGED = 5, 0.005  # moves that lower the norm by less than this share are the last
+PATIENCE, CONVERGED = 5, 0.005  # the descent ends when moves lower the norm by less than this share
 
 
 class Shapes:
@@ -32,14 +32,14 @@ class Shapes:
 
     def __init__(self, part):
         self.part = part
-        self.slope = part.spread.T @ part.slope  # of the stress to the coordinates
+        self.slope = part.spread.T @ part.slope  # derivative of the stress by the coordinates
         self.size = len(part.coordinates)
         self._volume = self._volume_form()
         self.first_volume = self.volume(numpy.zeros(self.size))
 
     def _volume_form(self):
-        """Of the drawn skin, by the divergence theorem: V = sum T[i, j, k] y_i y_j y_k, m^3, with y = (1, x), since
-        the skin moves linearly with x. T is symmetric."""
+        """Volume of the drawn skin, by the divergence theorem: V = sum T[i, j, k] y_i y_j y_k, m^3, with y = (1, x),
+        since the skin moves linearly with x. T is symmetric."""
         skin = self.part.skin(numpy.zeros(len(self.part.control)))
         basis = numpy.stack([skin] + [self.part.skin(one) - skin for one in self.part.spread.T])
         a, b, c = (basis[:, self.part.triangles[:, k]] for k in range(3))
@@ -57,7 +57,7 @@ class Shapes:
         return 3 * (self._volume @ y @ y)[1:]
 
     def restored(self, x):
-        """x shifted along the volume's gradient, within LIMIT and with the first volume (to 1e-9 of it)."""
+        """x shifted along the volume's gradient, within LIMIT, to the first volume (to 1e-9 of it)."""
         slope, shift, wanted = self.volume_slope(x), 0.0, x
         x = numpy.clip(wanted, -LIMIT, LIMIT)
         for _ in range(20):
@@ -79,9 +79,9 @@ class Shapes:
 
 @dataclasses.dataclass
 class Setup:
-    """How a hand feels its way. words: flags of [stress_haptic]; band: gamma is 0 and 1 that far below and above the
-    value at hand, or, when table is set, that of the first shape; points: handles that are tried before one of them is
-    moved; both_ways: each is pulled to both sides of x and y, else held and pulled to one side."""
+    """The strategy of a hand. words: flags of [stress_haptic]; band: distance at which gamma is 0 below and 1 above the
+    current value or, if table is set, the first shape's value; points: number of handles that are tried before one of
+    them is moved; both_ways: each handle is pulled to both sides of x and y, else held and pulled to one side."""
     words: str
     band: float
     points: int
@@ -182,7 +182,7 @@ def by_feel(shapes, setup, seeds, noticed, forces=felt_forces, progress=lambda i
 
 
 def at_random(shapes, seeds):
-    """The same in random directions: (peaks, last coordinates)."""
+    """As by_feel(), in random directions: (peaks, last coordinates)."""
     handles = shapes.part.handles
     peaks, last = [], []
     for seed in seeds:
@@ -197,10 +197,11 @@ def at_random(shapes, seeds):
 
 
 def descend(shapes, solver):
-    """Steepest descent of the peak, all coordinates at once, solved anew with its derivatives at every shape: the
-    DESCENT_NORM-norm's gradient, tangent to the volume. A step that does not lower the norm, or that the mesh does
-    not reach, is halved, and is no move. It ends after ROUNDS moves, when the last PATIENCE of them gained less than
-    CONVERGED, or the step is SHORTEST. (peaks, last coordinates); at the end the last peak is repeated."""
+    """Steepest descent of the peak with all coordinates at once. Stress and derivatives are solved again at every
+    shape; the direction is the gradient of the DESCENT_NORM-norm at constant volume. A step that does not lower the
+    norm, or that the mesh does not reach, is halved and does not count as a move. The descent ends after ROUNDS moves,
+    when the last PATIENCE moves gained less than CONVERGED, or when the step is SHORTEST. Returns (peaks, last
+    coordinates); at the end the last peak is repeated."""
     part, x, step = shapes.part, numpy.zeros(shapes.size), STEP
 
     def evaluate(x):
@@ -218,7 +219,7 @@ def descend(shapes, solver):
         if len(norms) > PATIENCE and norms[-1] > (1 - CONVERGED) * norms[-1 - PATIENCE]:
             break
         volume = shapes.volume_slope(x)
-        # Coordinates at their limit that would go beyond it do not count for the length of the step.
+        # Coordinates that are at their limit and would exceed it do not count for the length of the step.
         free = numpy.ones(shapes.size, bool)
         for _ in range(shapes.size):
             tangent = numpy.where(free, gradient - volume * (gradient[free] @ volume[free]) / (volume[free] @ volume[free]), 0)
@@ -247,7 +248,8 @@ TRIED = {"mean, range within 0.25 % of the present value": Setup("-weights volum
 
 
 def main():
-    """Prints every setup on the seeds of the evaluation, for several just noticeable differences; some minutes."""
+    """Prints every setup on the seeds of the evaluation, for several just noticeable differences. It takes some
+    minutes."""
     from _design import Part
     part = Part("lift_arm", 18)
     shapes = Shapes(part)
@@ -266,8 +268,9 @@ def main():
                 _, last, moves, differences = by_feel(shapes, setup, JUDGED, noticed)
                 tell(f"{name}, noticed {100 * noticed:.0f} %", last, f", {moves.mean():.1f} moves, differences "
                      f"{100 * numpy.median(differences):.1f} % (median)")
-        # How much the points tried bring, and a hand without a threshold whose forces are uncertain: normal, with the
-        # just noticeable difference as the standard deviation of each (d' = 1 between forces that far apart).
+        # Shows the gain from trying several points, and a hand without a threshold but with uncertain forces. Each
+        # force is normally distributed, with the just noticeable difference as standard deviation (d' = 1 between
+        # forces that differ by this much).
         single = dataclasses.replace(CHOSEN, points=1)
         _, last, moves, _ = by_feel(shapes, single, JUDGED, NOTICED)
         tell("power 30, both sides, 1 %, one point, noticed 7 %", last, f", {moves.mean():.1f} moves")

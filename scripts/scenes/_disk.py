@@ -9,12 +9,12 @@ DISK = ("disk", "--diameter", 100, "--thickness", 12, "--material", "aluminium")
 TOP = 6  # mm, height of the face that is struck
 HIT = f"hit 25 0 {TOP} {_bodies.DROP_SPEED:.5g}"
 LISTENERS = ("listener 1 30 0 26", "listener 2 30 0 26")
-MOMENTUM = 4 / 3 * numpy.pi * 0.006 ** 3 * 7850 * _bodies.DROP_SPEED  # kg m/s, of the ball
+MOMENTUM = 4 / 3 * numpy.pi * 0.006 ** 3 * 7850 * _bodies.DROP_SPEED  # kg m/s, momentum of the ball
 
 # Chosen to fit the three measured peaks; everything else is as the paper gives it.
 YOUNG = 72.35e9        # Pa, with the table's 2700 kg/m^3; the paper says 70.3e9
 PATCH_RADIUS = 9       # mm, where the post touches the back
-STIFFNESS = 4.95e8     # N/m, of the post along its axis
+STIFFNESS = 4.95e8     # N/m, stiffness of the post along its axis
 
 ACCOUNT = """The paper gives the diameter, thickness, Poisson's ratio, ball, height and positions. Three numbers
 were fitted: Young's modulus over density, 2.9 % higher (the two-diameter mode, whose frequency hardly
@@ -31,8 +31,7 @@ its own numbers give. The fit also has peaks outside the three: 1338 Hz (the dis
 
 
 def held(young, radius_mm, stiffness, modes=40, tolerance=0.2):
-    """Table of the disk on a post; stiffness None clamps the patch. tolerance: %, of each mode's
-    frequency."""
+    """Table of the disk on a post; stiffness None clamps the patch. tolerance: error of each mode's frequency, %."""
     support = (("--fix", f"0,0,{-TOP},{radius_mm}") if stiffness is None
                else ("--spring", f"0,0,{-TOP},{radius_mm}:{stiffness:g}:z"))
     return _bodies.table(*DISK, "--young", f"{young:g}", "--patch-diameter", 2 * radius_mm, *support,
@@ -57,7 +56,8 @@ def drop(path, seconds=3.0, flags=()):
 
 
 def bounce(path, seconds=4.0):
-    """The same with the ball's further impacts: each leaves with the speed that the contact returns."""
+    """As drop(), with the ball's further impacts. After each impact the ball leaves with the speed that the contact
+    returns."""
     _, contact = drop(path, 0.2)
     back = contact.sum() / RATE / MOMENTUM - 1
     strikes, time, speed = [], 0.05, _bodies.DROP_SPEED

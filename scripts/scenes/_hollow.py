@@ -67,7 +67,7 @@ def features(sound):
 
 
 class Discriminant:
-    """Fisher's linear discriminant between two sets of features, threshold half way."""
+    """Fisher's linear discriminant between two sets of features, with the threshold half-way."""
 
     def __init__(self, solid, hollow):
         both = numpy.concatenate([solid - solid.mean(0), hollow - hollow.mean(0)])
@@ -84,7 +84,8 @@ class Discriminant:
         return float(numpy.concatenate([self.hears_solid(solid), ~self.hears_solid(hollow)]).mean())
 
 
-# Learnt from one half of the world, tried on the other: no position, strength or distance is shared.
+# The classifier learns from one half of the conditions and is tested on the other. No position, strength or distance is
+# in both.
 LEARNT = {"radii_mm": (5, 30), "speeds": (0.3, 1.2), "distances_mm": (80, 250)}
 TRIED = {"radii_mm": (30, 46), "speeds": (1.2, 3.0), "distances_mm": (250, 600)}
 

@@ -14,8 +14,8 @@ PATCH = ROOT / "patches" / "reed" / "reed_haptic.pd"
 TUNE = ROOT / "data" / "music" / "mozart_k622_adagio.mid"
 OCTAVE_DOWN = -12
 PRESET = "clarinet"
-SIGMA = (0, 5000, 1000, 3500)   # Pa, Pa, Hz, Hz: what the hand's box holds at least
-NOISE = 0.02                    # of the breath: a little air in the tone
+SIGMA = (0, 5000, 1000, 3500)   # Pa, Pa, Hz, Hz: smallest range of the hand's box
+NOISE = 0.02                    # noise of the breath, for a little air in the tone
 RATE = 48000
 SIGNALS = ("reed-y", "reed-z", "reed-fp", "reed-gradient-y", "reed-gradient-z", "reed-force-y",
            "reed-force-z")
@@ -31,7 +31,7 @@ def learn():
 
 
 def gesture(seconds=None, seed=1):
-    """The performance of the tune, or of its phrases that begin within so many seconds."""
+    """The performance of the tune, or of its phrases that begin within this many seconds."""
     notes, technique, _ = learn()
     if seconds is not None:
         kept = [p for p in gestures.phrases(notes) if p[0].onset < seconds]

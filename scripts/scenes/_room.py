@@ -9,7 +9,7 @@ WET = 0.22
 
 
 def reverberate(samples, rate, pan=0.0, wet=WET):
-    """Stereo (n + 2 s, 2): the samples from pan -1 (left) to 1, and the room around them."""
+    """Stereo (n + 2 s, 2): the samples at pan -1 (left) to 1, with the room around them."""
     patch = Patch()
     dry = patch.signal(numpy.concatenate([samples, numpy.zeros(2 * rate, numpy.float32)]))
     # Orthogonal mixing (Hadamard, 1/2) keeps the energy; each line loses 60 dB in T60.

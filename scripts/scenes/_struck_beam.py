@@ -7,15 +7,16 @@ from make_scene import fade_out, spectrogram
 
 RATE = 48000
 SECONDS, STEP_MS, STRIKE_MS = 12.0, 20, 500
-# Displacement (mm) of the lower and of the upper side, at s: the height of 20 mm becomes 30, then 14, then 20 again.
+# Displacement (mm) of the lower and of the upper side, at times in s: the height of 20 mm becomes 30, then 14, then 20
+# again.
 TIMES = [0.0, 1.0, 3.0, 4.5, 7.5, 9.0, 11.0, SECONDS]
 HEIGHT = [0.0, 0.0, 5.0, 5.0, -3.0, -3.0, 0.0, 0.0]
 MODES, TOP_HZ = 8, 9000
 
 
 def displacement_mm(table, seconds):
-    """Of all parameters; the middle of the length leads the tip by a tenth of the path, so the shape is not a
-    pure stretch."""
+    """Displacements of all parameters. The middle of the length leads the tip by a tenth of the path, so the shape is
+    not a pure stretch."""
     side = numpy.interp(seconds, TIMES, HEIGHT)
     points = table["control_points"][table["parameters"][:, 0].astype(int)]
     middle = 1 - 0.1 * numpy.sign(points[:, 0])
@@ -35,7 +36,7 @@ def render(name, resolve):
         if before is None or (shape != before).any():
             patch.at(ms, box, "shape " + " ".join(f"{d:.6g}" for d in shape))
         before = shape
-        patch.at(ms + 12, box, "info")  # an answer comes 10 ms after it was asked for
+        patch.at(ms + 12, box, "info")  # an answer comes 10 ms after its request
     for ms in range(STRIKE_MS // 2, int(1000 * SECONDS), STRIKE_MS):
         patch.at(ms, box, "hit 85 12 2 0.7")
     return patch.render(SECONDS, timeout=600)

@@ -18,9 +18,9 @@ STRIKERS = {"steel ball": _bodies.ball(),
             "wooden ball": _bodies.ball(0.012, 1.1e10, 0.3, 700),
             "rubber ball": _bodies.ball(0.016, 2e7, 0.48, 1100),
             "hard rubber ball": _bodies.ball(0.012, 2e8, 0.48, 1200)}
-# name: (modal_fem's words, striker, speed in m/s, points). A point is -1 to 1 along each axis of the
-# box around the body; the vertex nearest to it is struck. Of disks, ring and lever the modes that can be heard;
-# edges are as long as keep the modes within 0.2 % of a finer mesh, the lever's within 1 %.
+# name: (modal_fem's words, striker, speed in m/s, points). A point is -1 to 1 along each axis of the box around the
+# body; the vertex nearest to it is struck. Disks, ring and lever have all audible modes. Edges are as long as possible
+# while the modes stay within 0.2 % of a finer mesh, the lever's within 1 %.
 BODIES = {
     "brass bowl": (("bowl", "--diameter", 160, "--thickness", 3, "--angle", 80, "--material", "brass",
                     "--h", 12), "rubber ball", 1.5, ((1, 0, 1), (0.6, 0.4, -0.3), (0, 0, -1))),
@@ -47,13 +47,13 @@ BODIES = {
     "steel lever (STL)": (("LEVER", "--material", "steel", "--tolerance", 5, "--modes", 24), "steel ball", 1.0,
                           ((1, 0, 0), (-1, 0.5, 0), (0, 0, 1))),
 }
-TIMES = (0.05, 1.0, 1.95)  # s, of a body's three strikes
+TIMES = (0.05, 1.0, 1.95)  # s, times of a body's three strikes
 SECONDS = 4.0
 
 
 def lever():
-    """The path of a machine part's surface, 5000 triangles, from Debian's gmsh-doc; fetched from the
-    same package where a system leaves out /usr/share/doc."""
+    """The path of a machine part's surface, 5000 triangles, from Debian's gmsh-doc; fetched from that package if the
+    system leaves out /usr/share/doc."""
     folder = stage_folder().parent / "bodies"
     folder.mkdir(exist_ok=True)
     model = folder / "lever.stl"
@@ -77,7 +77,7 @@ def table(name):
 
 
 def vertices(path, points):
-    """The vertex nearest to each point of -1 to 1 in the body's box."""
+    """The vertex nearest to each point; -1 to 1 spans the body's box."""
     xyz = numpy.load(path)["xyz"].astype(float)
     low, high = xyz.min(0), xyz.max(0)
     return [int(((xyz - ((low + high) / 2 + numpy.array(p) * (high - low) / 2)) ** 2).sum(1).argmin())
@@ -85,7 +85,7 @@ def vertices(path, points):
 
 
 def ring(name, strikes, seconds):
-    """Stereo in Pa of one body under strikes [(s, index of the point, part of its speed)]."""
+    """Stereo sound in Pa of one body under strikes [(s, index of the point, share of its speed)]."""
     _, striker, speed, points = BODIES[name]
     path = table(name)
     struck = vertices(path, points)
@@ -100,8 +100,7 @@ def visit(name):
     return ring(name, [(t, i, 1.0) for i, t in enumerate(TIMES)], SECONDS)
 
 
-# A piece of eight bars. Sixteenths of a bar: "1" to "3" names the point, capitals nothing, "." rests;
-# an accent on each quarter.
+# A piece of eight bars. Sixteenths of a bar: "1" to "3" names the point, "." is a rest; an accent on each quarter.
 STEP_S = 0.15
 PIECE = {
     "spruce board":      ("................", "................", "1.....1...2.....", "1.....1...2...1.") ,
@@ -121,7 +120,7 @@ ORDER = (0, 1, 1, 2, 2, 3, 3, 0)
 
 
 def perform():
-    """{body: stereo} of the piece, each at its loudest 1 times its level in the mix."""
+    """{body: stereo} of the piece, each scaled to a peak of 1, times its level in the mix."""
     generator = numpy.random.default_rng(1)
     seconds = len(ORDER) * 16 * STEP_S + 4
     parts = {}

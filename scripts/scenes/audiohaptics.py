@@ -40,7 +40,7 @@ def peak_force(take, k):
 
 
 def tap_rows(take):
-    """Rows of the table: one a tap."""
+    """Rows of the table, one per tap."""
     modes, rows = _audiohaptics.table_modes(), []
     for k, (t, x, y, _, *_, speed, _) in enumerate(take["hits"]):
         peaks = _bodies.peaks(after(take, k), low_hz=3000, below_db=50, apart_hz=150, count=3)
@@ -67,7 +67,7 @@ def draw_take(take):
 
 
 def draw_positions(take):
-    """The face with every hit as the screen shows it, and the levels of its modes beside."""
+    """Draws the face with every hit, as the screen shows it, and beside it the levels of its modes."""
     figure, (face, levels) = plt.subplots(1, 2, figsize=(13, 5.6), constrained_layout=True,
                                           width_ratios=(1, 1.35))
     face.set_facecolor("#1c1c39")

@@ -1,8 +1,7 @@
 """A steel bar struck on a wooden board: alone, on felt, screwed to it, and loose so that it rattles
 
-Two tables in closed form in one [modal_impact~]: `board` lays the bar on a simply supported plate of
-spruce, `rest` sets the points of contact, `rest_stiffness` and `rest_force` the layer between and its
-preload.
+Two tables in closed form in one [modal_impact~]: `board` lays the bar on a simply supported plate of spruce, `rest`
+sets the points of contact, `rest_stiffness` and `rest_force` the layer between them and its preload.
 """
 import pathlib
 import sys
@@ -57,7 +56,7 @@ def make(scene):
                         f"the bar {name}")
             spectrogram(axis, mono, RATE, top_hz=6000)
             axis.set_title(name, loc="left")
-            spectrum = abs(numpy.fft.rfft(mono[:RATE] * numpy.hanning(RATE)))  # 1 Hz a bin
+            spectrum = abs(numpy.fft.rfft(mono[:RATE] * numpy.hanning(RATE)))  # 1 Hz per bin
             low = [20 * numpy.log10((spectrum[int(hz) - 15:int(hz) + 15] ** 2).sum() ** .5) for hz in board["freq"][:2]]
             rows.append([name, f"{abs(sound).max():.2g}", *(f"{x:.0f}" for x in low)])
             scene.progress(name)

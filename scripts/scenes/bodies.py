@@ -24,8 +24,8 @@ NEEDS = "modal_impact~ modal_fem"
 
 
 def mono_room(parts):
-    """The piece in a small room: each body keeps its two ears, the room hears their sum."""
-    dry = fade_out(sum(parts.values()), RATE, 0.8)  # the bell and the lever ring on
+    """The piece in a small room. Each body keeps its stereo sound; the room processes the sum."""
+    dry = fade_out(sum(parts.values()), RATE, 0.8)  # because the bell and the lever still ring
     placed = _room.reverberate(dry.sum(axis=1), RATE, wet=0.12)
     wet = placed - numpy.pad(dry.sum(axis=1), (0, len(placed) - len(dry)))[:, None] * 0.5 ** 0.5
     return numpy.pad(dry, ((0, len(placed) - len(dry)), (0, 0))) + wet

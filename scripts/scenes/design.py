@@ -32,18 +32,18 @@ from _design_search import CHOSEN, NOTICED, PAPER, ROUNDS, STEP, Shapes, at_rand
 
 PATCH = "patches/design/beam.pd"
 NEEDS = "stage_patches phantom stress_haptic modal_impact~ part_stress modal_fem stage_cantilever stage_lift_arm stage_struck_cantilever"
-# patch, table, control points in a layer, the one that is dragged, seconds of its path
+# Patch, table, number of control points in a layer, number of the dragged one, seconds of its path.
 PARTS = {"beam": ("cantilever", 10, 6, 8.9), "arm": ("lift_arm", 18, 15, 9.9)}
 FEELS = {"mean, spring": (), "weighted, spring": ("mode weighted",), "each axis, spring": ("mode axis",),
          "mean, damper": ("render damper",)}
 BEGIN_MS = 500  # the hand has taken the point
-SEEDS = range(101, 121)  # the setups were chosen on 1 to 20
+SEEDS = range(101, 121)  # the setups were chosen on seeds 1 to 20
 FEEL_COLOURS = dict(zip(FEELS, ("#2f4f9f", "#d08020", "#7f7f7f", "#4d8f4d")))
 AXIS_COLOURS = {"x": "#c0392b", "y": "#7d3c98", "z": "#16a085"}
 
 
 def render(name, words):
-    """Logs of a patch whose hand reshapes its part; messages set what is felt."""
+    """Logs of a patch whose hand reshapes its part; messages set the felt quantity."""
     _, layer, handle, seconds = PARTS[name]
     patch = Patch(opens=f"patches/design/{name}.pd")
     patch.send(10, "help-play", "bang")
@@ -65,12 +65,12 @@ def render(name, words):
 
 
 def at(log, ms):
-    """The message of that instant, else the last before."""
+    """The message at that time, else the last one before it."""
     return [atoms for t, atoms in log if t <= ms + 0.5][-1]
 
 
 def compare(name, part, log, solver):
-    """Every tenth of a second: time, displacement (mm), felt and solved mean and peak, rms of the series' error."""
+    """Rows for every tenth of a second: time, displacement (mm), felt and solved mean and peak, rms of the series' error."""
     _, _, handle, seconds = PARTS[name]
     rows, shapes = [], []
     for ms in range(BEGIN_MS, int(1000 * seconds), 100):
@@ -85,7 +85,7 @@ def compare(name, part, log, solver):
 
 
 def draw_shapes(name, part, rows, shapes):
-    """The first shape, the lowest and the furthest up, in the same colours; mm."""
+    """Draws the first shape, the lowest and the highest, with the same colour scale; mm."""
     _, _, handle, _ = PARTS[name]
     far = numpy.abs(rows[:, 1:3]).max(1)
     picks = [0, int(numpy.argmin(rows[:, 2])), int(numpy.argmax(far * (rows[:, 2] > 0)))]
@@ -148,7 +148,7 @@ def draw_run(part, logs, rows):
 
 
 def draw_search(part, searches):
-    """searches: name, colour, peaks along (runs, moves + 1), peaks of the last shapes solved anew, Pa."""
+    """searches: name, colour, peaks of shape (runs, moves + 1), peaks of the last shapes, solved again, Pa."""
     figure, axes = plt.subplots(figsize=(10, 5.6), constrained_layout=True)
     for name, colour, peaks, solved in searches:
         axes.plot(peaks.T / 1e6, color=colour, linewidth=0.5, alpha=0.4)
@@ -166,7 +166,8 @@ def draw_search(part, searches):
 
 
 def search(scene, part, descent):
-    """The arm by feel beside random directions and the descent, which has begun (a future)."""
+    """Lowers the arm's stress by feel, for comparison with random directions and with the descent, a future that has
+    begun."""
     shapes = Shapes(part)
     runs, felt = [], []
     for name, colour, setup in (("by feel, mean stress", "#6f8fdf", PAPER), ("by feel, power 30", "#2f4f9f", CHOSEN)):
@@ -204,7 +205,7 @@ def descended(part):
 
 
 def make(scene):
-    # For the child processes: Pd and solvers run at the same time, and idle threads of OpenBLAS wait by
+    # For the child processes, because Pd and solvers run at the same time and idle threads of OpenBLAS wait by
     # spinning.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_NUM_THREADS", "1")

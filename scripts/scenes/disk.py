@@ -1,11 +1,10 @@
 """The ball and the disk: a struck aluminium disk beside a measured one
 
-Yano and Iwata's experiment (AudioHaptics): a steel ball of 6 mm radius falls 100 mm onto an
-aluminium disk, 100 mm across and 12 mm thick, 25 mm from its centre; a microphone hears it from
-(30, 0, 26) mm. [modal_impact~] plays the tables that modal_fem computes, first for a free disk, then
-for one supported at the centre of its back. No free disk of these dimensions has a mode below 5.89 kHz, so
-the measured 3.956 kHz needs a support: the sections below describe the support, the given data, the fitted
-values, and the unexplained differences.
+Yano and Iwata's experiment (AudioHaptics): a steel ball of 6 mm radius falls 100 mm onto an aluminium disk, 100 mm
+across and 12 mm thick, 25 mm from its centre; a microphone records it at (30, 0, 26) mm. [modal_impact~] plays the
+tables that modal_fem computes, first for a free disk, then for one supported at the centre of its back. No free disk of
+these dimensions has a mode below 5.89 kHz, so the measured 3.956 kHz needs a support: the sections below describe the
+support, the given data, the fitted values, and the unexplained differences.
 """
 import pathlib
 import sys
@@ -30,7 +29,7 @@ def percent(found, measured):
 
 
 def compare(heard):
-    """Rows: each case's rendered peaks beside the paper's measured and simulated ones."""
+    """Rows with each case's rendered peaks beside the paper's measured and simulated peaks."""
     rows = [["paper, measured"] + [x for f in _disk.MEASURED for x in (f"{f:.0f}", "")] + ["", ""],
             ["paper, simulated"] + [x for f, s in zip(_disk.MEASURED, _disk.SIMULATED)
                                     for x in ((f"{s:.0f}", percent(s, f)) if s else ("", ""))]

@@ -27,7 +27,8 @@ COLOURS = {"solid": "#2b5c8a", "hollow": "#c4552d"}
 
 
 def one_after_another(sounds):
-    """As the classifier hears them, with the noise of its microphone, which fades in and out around each."""
+    """The sounds as the classifier receives them, with the microphone's noise, which fades in and out around each
+    sound."""
     silence = numpy.zeros(RATE // 50)
     rise = 0.5 - 0.5 * numpy.cos(numpy.pi * numpy.arange(RATE // 1000) / (RATE // 1000))
     parts = []

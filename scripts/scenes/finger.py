@@ -17,14 +17,14 @@ from make_scene import spectrogram
 PATCH = "patches/audiohaptics/finger_on_reed.pd"
 NEEDS = "stage_patches greed~ playability~ phantom phantom~"
 PATH = pathlib.Path(__file__).resolve().parents[2] / PATCH
-RATE, SECONDS, DECAY = 48000, 11, 0.8  # s until the breath ends, and until the note has
+RATE, SECONDS, DECAY = 48000, 11, 0.8  # s until the breath ends, and until the note has decayed
 BLUE, RED, GREEN = "#2b5c8a", "#c4552d", "#6d8f3a"
 MOMENTS = (("free", 1.3), ("touched", 2.9), ("pressed", 5.4), ("closed", 8.0), ("lifted", 10.4))
 
 
 def play():
-    """The patch's own demonstration: sound and the force at the reed as the patch sends them, and the
-    servo's ticks (ms, mm, N)."""
+    """Plays the patch's own demonstration: the sound and the force at the reed as the patch sends them, and the servo's
+    ticks (ms, mm, N)."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         patch = Patch(opens=PATH, own="own")
         patch.record("sound", patch.dac(1))
@@ -42,7 +42,7 @@ def play():
 
 
 def pitch(x):
-    """Hz of the strongest fundamental of 100 to 200 Hz; nan of silence."""
+    """Hz of the strongest fundamental of 100 to 200 Hz; nan for silence."""
     if x.std() < 1e-3:
         return math.nan
     size = 1 << 17

@@ -22,8 +22,8 @@ RATE = 48000
 FOUR = ("wood", "creak", "snow", "underbrush")
 ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
        "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
-HALT = 1.5       # s: the last steps, and what they leave sounding
-FELT_GAIN = 0.5  # of the actuator signals stored as sounds: quick steps on snow reach an actuator's limit
+HALT = 1.5       # s for the last steps and their decay
+FELT_GAIN = 0.5  # gain of the actuator signals stored as sounds, since quick steps on snow reach an actuator's limit
 SPEEDS = (("slow", 0.9), ("usual", 1.4), ("quick", 1.9))
 PATH = ("wood", "gravel", "snow", "dryleaves", "water")
 NAMES = ("sound", "heel_drive", "ball_drive", "force", "sound_2", "heel_drive_2", "ball_drive_2",
@@ -31,7 +31,7 @@ NAMES = ("sound", "heel_drive", "ball_drive", "force", "sound_2", "heel_drive_2"
 
 
 def walk(seconds, surface, speed=1.4, *flags):
-    """Both feet walk for some seconds and halt; every outlet by its name."""
+    """Lets both feet walk for some seconds and halt; returns every outlet by name."""
     patch = Patch()
     box = patch.obj("footstep~", surface, "-feet", 2, "-speed", speed, *flags)
     for i, name in enumerate(NAMES):
@@ -42,12 +42,12 @@ def walk(seconds, surface, speed=1.4, *flags):
 
 
 def stereo(result):
-    """Both feet, and the last rustle turned down."""
+    """Stereo sound of both feet, with the last rustle faded out."""
     return fade_out(numpy.stack([result["sound"], result["sound_2"]], axis=1), RATE, HALT / 2)
 
 
 def recorded():
-    """One recording a label and its rate, where the games are installed."""
+    """One recording per label, with its rate, if the games are installed."""
     try:
         from features import RATE as rate
         from recordings import recordings

@@ -1,8 +1,8 @@
 """Every preset of greed~, blown from silence to full pressure and back, with spectrograms
 
-One [greed~] a preset in headless Pd, at its own bore length and reed frequency. The mouth pressure
-rises for three seconds, stays for one and falls for two. Blown-closed reeds choke when the pressure
-holds the reed shut; blown-open lips and the swinging syrinx do not.
+One [greed~] per preset in headless Pd, at its own bore length and reed frequency. The mouth pressure rises for three
+seconds, stays for one and falls for two. Blown-closed reeds choke when the pressure holds the reed shut; blown-open
+lips and the swinging syrinx do not.
 """
 import matplotlib.pyplot as plt
 import numpy
@@ -12,7 +12,7 @@ from make_scene import spectrogram
 PATCH = "build/tactus/greed~-help.pd"
 NEEDS = "greed~"
 RATE = 48000
-# Every preset of the object, and where the rise ends, Pa: about twice what each plays well at.
+# Every preset of the object, and the pressure at the end of the rise, Pa: about twice that at which it plays well.
 TOP_PRESSURE = {"clarinet": 4500, "sax": 5000, "oboe": 4500, "trumpet": 8000, "trombone": 4000,
                 "voice": 3000, "syrinx": 2000}
 
@@ -38,7 +38,7 @@ def pitch(samples):
     r = numpy.fft.irfft(power)[: RATE // 25]
     if r[0] <= 1e-9 * len(x):
         return float("nan")
-    after = numpy.argmax(r < 0)  # past the peak at zero
+    after = numpy.argmax(r < 0)  # begins after the peak at zero
     peaks = [i for i in range(max(after, 8), len(r) - 1)
              if r[i] > r[i - 1] and r[i] >= r[i + 1] and r[i] > 0.8 * r[after:].max()]
     if not peaks:
@@ -56,7 +56,7 @@ def note(frequency):
 
 
 def starts_at(sound, pressure):
-    """Mouth pressure at which the sound first comes within 40 dB of its loudest."""
+    """Mouth pressure at which the sound first comes within 40 dB of its maximum."""
     window = RATE // 50
     frames = abs(sound[: len(sound) // window * window].reshape(-1, window)).max(axis=1)
     return pressure[min(int(numpy.argmax(frames > 0.01 * frames.max())) * window, len(pressure) - 1)]

@@ -22,7 +22,7 @@ PLAYS = 0.3  # f_p above which a reed counts as playing
 
 
 def compute(preset, nodes=81):
-    """Columns of the program's table as arrays of shape (rows, columns): reed frequency up."""
+    """Columns of the program's table as arrays of shape (rows, columns): reed frequency increases upwards."""
     program = stage_folder().parent / "programs" / "reed_map" / "tactus_reed_map"
     text = subprocess.run([program, preset, "--nodes", str(nodes), str(nodes)], check=True,
                           capture_output=True, text=True).stdout

@@ -16,8 +16,8 @@ RATE = 48000
 PRESETS = ("maraca", "sekere", "cabasa", "tambourine", "gravel", "ice", "coins", "rain", "sand", "leaves",
            "bubbles")
 BEAT = 0.5  # s
-RHYTHM = ((0, 1.2), (0.5, 0.3), (0.75, 0.2), (1, 0.8), (1.5, 0.3), (1.75, 0.5))  # beats, energies
-PIECE = {  # preset, gain, place from left (-1) to right, energies by beats of a bar of four
+RHYTHM = ((0, 1.2), (0.5, 0.3), (0.75, 0.2), (1, 0.8), (1.5, 0.3), (1.75, 0.5))  # (beat, energy) of each shake
+PIECE = {  # Preset: gain, position from left (-1) to right, energies at the beats of a bar of four.
     "maraca": (0.6, -0.5, [(i / 4, (1, 0.25, 0.45, 0.25)[i % 4]) for i in range(16)]),
     "cabasa": (0.8, 0.5, [(0.5, 0.7), (1.5, 0.7), (2.5, 0.7), (3.5, 0.7), (3.75, 0.4)]),
     "tambourine": (0.7, 0.2, [(1, 1.2), (3, 1.2), (3.5, 0.4)]),
@@ -26,7 +26,7 @@ PIECE = {  # preset, gain, place from left (-1) to right, energies by beats of a
 
 
 def power_of_a_visit(seconds):
-    """2 s poured, then two steps of heel and ball, in 1/s."""
+    """Power of 2 s poured, then of two steps of heel and ball, in 1/s."""
     t = numpy.arange(int(seconds * RATE)) / RATE
     power = 4.0 * ((t > 2.2) & (t < 4.2))
     for begin in (4.6, 5.4):
@@ -48,7 +48,7 @@ def visit(preset, seconds=6.5):
 
 
 def piece(bars=8):
-    """Left and right; each player enters a bar after the other."""
+    """Left and right channel; each player enters one bar after the previous one."""
     seconds = bars * 4 * BEAT + 2
     patch = Patch()
     pans = {}

@@ -6,10 +6,9 @@ height is the breath, its distance the lip, as patches/reed/reed_haptic.pd maps 
 as MIDI notes and `tune 1` chooses the bore for each. The force that the hand would
 feel while it plays, along the slope of the playability, is measured and drawn.
 
-The gesture is derived from the score: tongued attacks, swells, arches over the
-phrases, delayed vibrato, breaths in the rests, and a little human unsteadiness from a
-seed. The player practises first: each note is blown on a single [greed~] at several pressures; the
-pressure that is best in tune, and the one that makes all notes equally loud, are kept.
+The gesture is derived from the score: tongued attacks, swells, arches over the phrases, delayed vibrato, breaths in the
+rests, and a little human unsteadiness from a seed. The player practises first: each note is blown on a single [greed~]
+at several pressures. The player keeps the pressure that is best in tune and the one that makes all notes equally loud.
 """
 import csv
 import io
@@ -51,8 +50,8 @@ def playable(pitch, sigma, lip=None, columns=61, rows=41):
 
 
 def breath_that_plays(note, gesture):
-    """Least and most pressure, Pa, at which linear theory starts the note with the lip it is played
-    with, and an instrument blown there plays."""
+    """Lowest and highest pressure, Pa, at which the note starts by linear theory with its lip and at which the
+    instrument plays."""
     lip = gesture.reed[int(0.5 * (note.onset + note.end) * gestures.RATE)]
     table = playable(note.pitch, gestures.fitting_sigma(gesture, SIGMA), lip)
     plays = table["f_p"][0] > PLAYS

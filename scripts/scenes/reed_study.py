@@ -71,7 +71,7 @@ def draw_bars(axes, rows, preset, hand):
 
 
 def draw_instruments(axes, rows):
-    """Paper and guidance at equal ceilings, six instruments, seeds that were not used before."""
+    """Draws the paper's force and guidance at equal ceilings, for six instruments and seeds that were not used before."""
     for row, preset in enumerate(study.INSTRUMENTS):
         for shift, (feel, ceiling) in enumerate((f, c) for c in (1, 2) for f in ("reeds", "guidance")):
             value, low, high = study.time_out(rows, feel, ceiling, preset=preset, hand="searches",
@@ -105,7 +105,7 @@ def draw_sensitivity(axes, rows, preset):
 
 
 def trace(preset):
-    """The course of one trial without and with guidance."""
+    """The course of one trial, without and with guidance."""
     text = subprocess.run([program("reed_study"), preset, "--feel", "off", "guidance", "--ceiling",
                            "2", "--trace", "--seeds", str(SHOWN_SEED), str(SHOWN_SEED)], check=True,
                           capture_output=True, text=True).stdout

@@ -48,19 +48,19 @@ def rub(path, normal, velocity, settings, moves=(), rate=RATE, gain=1):
 
 
 def curve(seconds, points, rate=RATE):
-    """A line through [(s, value)], sample by sample."""
+    """Straight lines through [(s, value)], sample by sample."""
     times, values = zip(*points)
     return numpy.interp(numpy.arange(int(seconds * rate)) / rate, times, values)
 
 
 def rub_message(path, where, along):
-    """The message `rub` at the vertex nearest to a point of -1 to 1 in the body's box."""
+    """The message `rub` at the vertex nearest to a point, with -1 to 1 spanning the body's box."""
     xyz = 1000 * numpy.load(path)["xyz"][_tour.vertices(path, [where])[0]]
     return f"rub {xyz[0]:.4f} {xyz[1]:.4f} {xyz[2]:.4f} {along[0]:.4f} {along[1]:.4f} {along[2]:.4f}"
 
 
 def bell():
-    """A violin bow along the rim, lifted, and put down again more heavily."""
+    """A violin bow on the rim, lifted, and put down again with more force."""
     path = _tour.table("bronze bell")
     normal = curve(9, [(0.1, 0), (0.3, 5), (4, 6), (4.1, 0), (4.9, 0), (5, 6), (7.5, 9), (7.6, 0)])
     velocity = curve(9, [(0, 0.07), (4, 0.08), (4.9, 0.08), (9, 0.11)])
@@ -105,7 +105,7 @@ RUBBED = {"bell": bell, "glass": glass, "bar": bar, "board": board}
 
 
 def string(scene):
-    """The motion under the bow beside Helmholtz', and a bow too light, right and too heavy."""
+    """Draws the motion under the bow beside Helmholtz motion, for a bow that is too light, right and too heavy."""
     speed, beta, hz = 0.1, 0.13, 196.0
     sounds, rows = [], []
     figure, axes = plt.subplots(3, 1, figsize=(12, 8), sharex=True, constrained_layout=True)

@@ -1,9 +1,9 @@
 """A hand plucks a string and taps a membrane of masses and springs: force, sound, spectrum
 
-`patches/haptic/mass_spring.pd` with the simulated device. The network is stepped inside the servo 48000
-times a second. The plectrum is a grabbing spring: the hand of 400 N/m grabs the nearest mass of a string
-of 40, pulls it 8 mm aside and lets go; then its sphere taps a membrane of 12 x 12 masses. The lines in
-the spectrum are the frequencies of the discrete string by theory.
+`patches/haptic/mass_spring.pd` with the simulated device. The network is stepped inside the servo 48000 times a second.
+The plectrum is a grabbing spring: the hand of 400 N/m grabs the nearest of the string's 40 masses, pulls it 8 mm aside
+and lets go; then its sphere taps a membrane of 12 x 12 masses. The lines in the spectrum are the frequencies of the
+discrete string by theory.
 """
 import csv
 import tempfile
@@ -17,7 +17,7 @@ PATCH = "patches/haptic/mass_spring.pd"
 NEEDS = "stage_patches phantom phantom~"
 RATE = 48000
 SECONDS, FADE = 5, 0.6
-MASSES, MASS, TENSION, LENGTH = 40, 1e-3, 12, 0.09  # of the patch's string
+MASSES, MASS, TENSION, LENGTH = 40, 1e-3, 12, 0.09  # values of the patch's string
 
 
 def played(button):
@@ -58,7 +58,7 @@ def draw(sound, rows, axis, top_hz):
 
 
 def draw_spectrum(sound):
-    """One pluck, from its release on, with the theory's partials."""
+    """Draws one pluck from its release on, with the theory's partials."""
     loud = numpy.abs(sound[:, 0]).reshape(-1, 480).max(1)
     begin = 480 * (int(numpy.argmax((loud > 0.3) & (numpy.arange(len(loud)) > 200))) + 2)
     part = sound[begin:begin + 16384, 0]

@@ -1,10 +1,9 @@
 """A hand strikes a disk in the servo's scene: position, force and sound of each contact
 
-`patches/haptic/struck_disk.pd` with the simulated device. A hand on a spring of 500 N/m goes down
-and up over an aluminium disk, 100 mm across and 12 mm thick, 25 mm beside its middle. The contact is
-detected inside the servo, a thousand times a second; its `hit` excites [modal_impact~]; the loudness
-of the sound returns to the hand through [phantom~] as a vibration of 250 Hz along the surface's
-normal, while the hand touches.
+`patches/haptic/struck_disk.pd` with the simulated device. A hand on a spring of 500 N/m goes down and up over an
+aluminium disk, 100 mm across and 12 mm thick, 25 mm beside its middle. The servo tests for contact a thousand times a
+second; its `hit` excites [modal_impact~]. While the hand touches the disk, the loudness of the sound returns to the
+hand through [phantom~] as a vibration of 250 Hz along the surface's normal.
 """
 import csv
 import tempfile
@@ -57,7 +56,7 @@ def draw(sound, rows):
 
 
 def draw_contact(rows, still):
-    """One contact close by, with the vibration and without."""
+    """One contact in detail, with and without the vibration."""
     figure, axes = plt.subplots(figsize=(12, 4), constrained_layout=True)
     for name, chosen, colour in (("felt", rows, "#c4552d"), ("without vibration", still, "#888888")):
         force, ms = column(chosen, "fz_n"), column(chosen, "ms")

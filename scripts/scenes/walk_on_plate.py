@@ -1,9 +1,9 @@
 """A walk over a wooden plank and a steel sheet: every heel and ball strikes the body's modes where it lands
 
-patches/footsteps/walk_on_plate.pd: [footstep~] walks, and its info outlet reports which part of which foot
-lands and how fast; [modal_impact~] is struck there, with the mass of a heel and the stiffness of a shoe. So
-one can walk on any body that has a table; here on two from modal_fem, fixed at both ends, with a loss factor
-of 0.02, caused by joists and feet.
+patches/footsteps/walk_on_plate.pd: [footstep~] walks, and its info outlet reports which part of which foot lands and
+how fast; [modal_impact~] is struck there, with the mass of a heel and the stiffness of a shoe. So a walker can step on
+any body that has a table. Here two bodies from modal_fem are fixed at both ends, with a loss factor of 0.02, caused by
+joists and feet.
 """
 import pathlib
 import sys
@@ -29,7 +29,7 @@ FLOORS = {
                     "--fix", "x=-400", "--fix", "x=400", "--modes", 40, "--tolerance", 1),
 }
 SHOES = ((0, 0.15, "soft rubber"), (5, 0.5, "leather"), (10, 0.95, "hard heel"))
-SECONDS, HALT = 15, 2.5  # s of walking, and for the last step and what it leaves sounding
+SECONDS, HALT = 15, 2.5  # s of walking, and for the last step and its decay
 
 
 def walk(table, seconds=SECONDS):

@@ -11,8 +11,8 @@ from make_scene import fade_out, spectrogram
 PATCH = "build/tactus/footstep~-help.pd"
 NEEDS = "footstep~"
 RATE = 48000
-ALONE, HALT = 4, 1.5  # s of each way alone, and for the last steps
-TOUR = (  # s, message, what it is
+ALONE, HALT = 4, 1.5  # s of each movement alone, and for the last steps
+TOUR = (  # Time in s, message, description.
     (0.2, "walk 1", "walk"), (5.0, "turn 90", "turn"), (7.0, "surface wood", ""),
     (8.5, "speed 3, gait run", "run"), (11.5, "speed 1.4, gait walk", "walk"), (13.0, "jump 0.35", "jump"),
     (18.5, "surface concrete", ""), (19.0, "speed 1.2, gait sneak", "sneak"),

@@ -150,7 +150,7 @@ TEST_CASE("what is wrong is one sentence with its line") {
     std::string text, error;
   };
   const std::string stl_words =
-      "facet, outer loop, vertex, endloop, endfacet or endsolid, a line each";
+      "facet, outer loop, vertex, endloop, endfacet or endsolid, each on its own line";
   const std::string begin = "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\n";
   for (const Wrong& one :
        {Wrong{"v 1 2\n", "line 1: expected three coordinates"},

@@ -295,7 +295,7 @@ TEST_CASE("events that the patch could not hand over end the connection, too") {
   link.run(0.1);
   CHECK_FALSE(link.caller.alive());
   CHECK_FALSE(link.listener.alive());
-  CHECK(link.listener.node.last_reason() == "the peer closed it: busy");
+  CHECK(link.listener.node.last_reason() == "the peer closed the connection: busy");
 }
 
 TEST_CASE("what the other side would drop is not sent: no flood is complained of") {

@@ -8,8 +8,8 @@
 namespace tactus::phantom {
 namespace {
 
-constexpr double kOverdue_s = 1;     // for closing a device, or for an opening that was cancelled
-constexpr double kListOverdue_s = 3; // for a list
+constexpr double kOverdue_s = 1;     // limit for closing a device or for a cancelled opening
+constexpr double kListOverdue_s = 3; // limit for a list of devices
 
 void report_all(const std::vector<std::string>& sentences, Host& host) {
   for (const std::string& sentence : sentences)
@@ -53,7 +53,7 @@ std::string DeviceLink::select(Words which) const {
 }
 
 void DeviceLink::configure(const Message& row, Words words, Host& host) {
-  const bool general = row.name == "driver"; // else the setting's name is the message's
+  const bool general = row.name == "driver"; // otherwise the message's name is the setting's name
   if (!is_real())
     return host.error(std::string(row.name) +
                       ": only for a real device; first choose one with "
@@ -137,10 +137,10 @@ std::optional<DeviceJob::Answer> DeviceLink::take(Host& host) {
   auto taken = worker_->take();
   report_all(taken.sentences, host);
   if (!taken.answer || taken.answer->ticket != ticket_)
-    return {}; // of a device that is not wanted any more
+    return {}; // the answer is about a device that is no longer requested
   if (taken.answer->kind == DeviceJob::Answer::Kind::kRunning) {
     runs_ = true;
-    session_.thread()->set_period(period_s()); // the rate may have changed since
+    session_.thread()->set_period(period_s()); // the rate may have changed since the request
   }
   return std::move(taken.answer);
 }

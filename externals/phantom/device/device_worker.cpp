@@ -5,19 +5,19 @@
 #include <iterator>
 #include <thread>
 
-/// What the threads of devices do, where a driver's call may take any time.
+/// The work of the devices' threads, in which a driver's call may take any time.
 namespace tactus::phantom {
 namespace {
 
 constexpr double kFirstPause_s = 0.25, kMaxPause_s = 4;
-constexpr double kFall_s = 0.2; // for the force to fall at the slew limit
+constexpr double kFall_s = 0.2; // longest time for the force to fall at the slew limit
 constexpr double kOneHour_s = 3600;
 
 } // namespace
 
 double DeviceJob::work(const Request& request, Turn<Answer>& turn) {
   if (open_.device && open_.ticket != request.ticket) {
-    if (!close() && !request.persists) // a lost one takes none
+    if (!close() && !request.persists) // a lost device accepts no force
       turn.say("close: the device did not accept the final zero force; it may be unplugged");
     return kDueNow;
   }
@@ -60,7 +60,8 @@ double DeviceJob::open(const Request& request, Turn<Answer>& turn) {
   return devices::ServoThread::now_s() + pause_s_;
 }
 
-/// Opens the device and marks its driver as in use. Empty, or the reason why not.
+/// Opens the device and marks its driver as in use. Returns an empty text, or the reason why it
+/// cannot be opened.
 std::string DeviceJob::try_open(const Request& request, const Turn<Answer>& turn) {
   std::string refusal;
   auto use = DriverUse::enter(
@@ -73,7 +74,8 @@ std::string DeviceJob::try_open(const Request& request, const Turn<Answer>& turn
     const DriverCalls::Call call(*calls_,
                                  std::string(request.driver->name) + ": opening the device",
                                  request.device, request.ticket);
-    // problem() may load the driver's libraries, which would disturb another open device of it.
+    // problem() may load the driver's libraries, which would disturb another open device of that
+    // driver.
     refusal = shared ? std::string() : request.driver->problem();
     if (refusal.empty())
       refusal = request.device->open();
@@ -99,8 +101,8 @@ void DeviceJob::run(const Request& request, Turn<Answer>& turn) {
                   request.ticket, std::move(refusal)});
 }
 
-/// Ends the session and closes the device. Whether the device took the zero force. Waits for a call
-/// that hangs, since the device must not be closed during it.
+/// Ends the session and closes the device. Returns whether the device accepted the zero force.
+/// Waits for a call that hangs, since the device must not be closed during a call.
 bool DeviceJob::close() {
   const Request closed = std::exchange(open_, {});
   const DriverCalls::Call call(*calls_, std::string(closed.driver->name) + ": closing the device");

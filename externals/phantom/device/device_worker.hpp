@@ -16,8 +16,8 @@
 
 namespace tactus::phantom {
 
-/// Opens, runs and closes the device that is wanted. It owns what it works on, and its last act in
-/// its thread is to close the device.
+/// Opens, runs and closes the requested device. It owns all data that it uses. The last thing that
+/// it does in its thread is to close the device.
 class DeviceJob {
 public:
   using Device = DriverCalls::Device;
@@ -28,26 +28,25 @@ public:
     std::shared_ptr<devices::ServoThread> runner;
   };
   struct Request {
-    /// Another number than that of the open device closes it first: the session, if there is one,
-    /// ends, whose motors the owner has paused, with up to 200 ms for zero force.
+    /// If it differs from the open device's number, that device is closed first. A session of that
+    /// device ends, with up to 200 ms for zero force; the owner must have paused its motors.
     std::uint64_t ticket = 0;
     const devices::Driver* driver = nullptr;
-    Device device{}; ///< to be open; null: none
-    bool persists =
-        false;         ///< tries again after 0.25, 0.5, 1, 2 and then every 4 s, until it is open
-    Session session{}; ///< to run on the open device; empty: none yet
+    Device device{};       ///< the device to be open, null for none
+    bool persists = false; ///< if true, tries to open after 0.25, 0.5, 1, 2 and then every 4 s
+    Session session{};     ///< session to run on the open device; empty if none yet
     double period_s = 0;
   };
   struct Answer {
     enum class Kind {
       kOpened,
       kRefused, ///< the device was not opened
-      kTrouble, ///< the same, and it is tried again: the driver's sentence, when it changes
+      kTrouble, ///< not opened and tried again; sent when the sentence changes
       kRunning,
       kNotRunning ///< the servo was not started
     };
     Kind kind = Kind::kRefused;
-    std::uint64_t ticket = 0; ///< the request's
+    std::uint64_t ticket = 0; ///< the request's ticket
     std::string sentence{};   ///< the reason of a refusal
   };
   static constexpr const char* kOutOfMemory = "not enough memory for the device";
@@ -63,10 +62,11 @@ private:
   [[nodiscard]] bool close();
 
   std::shared_ptr<DriverCalls> calls_;
-  Request open_;                        ///< what is open and runs; without a device: nothing
-  std::uint64_t ticket_ = 0;            ///< of the last opening that was begun
-  double pause_s_ = 0;                  ///< until the next
-  std::optional<std::string> reported_; ///< its last trouble
+  Request open_;                        ///< the open device and its session; no device: nothing is
+                                        ///< open
+  std::uint64_t ticket_ = 0;            ///< ticket of the last opening that began
+  double pause_s_ = 0;                  ///< pause until the next attempt
+  std::optional<std::string> reported_; ///< last reported trouble of this opening
 };
 
 /// Lists the devices of all drivers.
@@ -89,18 +89,19 @@ private:
   std::shared_ptr<DriverCalls> calls_;
 };
 
-/// A worker whose job calls drivers. The host's thread waits for none of these calls.
+/// A worker whose job calls drivers. The host's thread does not wait for these calls.
 template <class Job> class DriverWorker {
 public:
-  /// `ready` is called in the thread after each answer, until this object ends.
+  /// `ready` is called in the worker's thread after each answer, until this object is destroyed.
   explicit DriverWorker(std::function<void()> ready) { worker_.on_ready(std::move(ready)); }
-  /// Does not wait: what is being opened is abandoned, what is open is closed in the thread.
+  /// Does not wait. A device that is being opened is abandoned; an open device is closed in the
+  /// thread.
   ~DriverWorker() { calls_->want_none(); }
   DriverWorker(const DriverWorker&) = delete;
   DriverWorker& operator=(const DriverWorker&) = delete;
 
-  /// An opening of an earlier ticket is abandoned; a device that opens all the same is closed.
-  /// Returns empty, or why there is no thread.
+  /// An opening with an earlier ticket is abandoned; if its device opens all the same, that device
+  /// is closed. Returns an empty text, or the reason why there is no thread.
   [[nodiscard]] std::string request(const typename Job::Request& request) {
     DriverCalls::set_running(calls_, true);
     calls_->want(request.ticket);

@@ -16,7 +16,8 @@ namespace {
 
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
-/// Those with a thread. Never destroyed, since threads that hang in a driver may still use it.
+/// The DriverCalls that have a thread. Never destroyed, since threads that hang in a driver may
+/// still use this table.
 struct Table {
   std::mutex mutex;
   std::vector<std::shared_ptr<DriverCalls>> running;
@@ -129,7 +130,8 @@ DriverThread::~DriverThread() {
 }
 
 std::string DriverThread::start(std::shared_ptr<BackgroundState> state) {
-  const devices::ScopedSignalMask mask; // inherited by the drivers' threads, which this one starts
+  const devices::ScopedSignalMask mask; // the drivers' threads, which this thread starts, inherit
+                                        // the mask
   try {
     std::thread([state] { state->work(); }).detach();
   } catch (const std::system_error& error) {

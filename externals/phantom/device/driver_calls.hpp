@@ -10,14 +10,16 @@
 
 namespace tactus::phantom {
 
-/// What a thread that calls drivers is at. A call may take seconds or never return: its owner
-/// cancels an opening that is not wanted any more, and names a call that hangs.
+/// The current call of a thread that calls drivers. A call may take seconds or never return. The
+/// thread's owner can cancel an opening that is no longer requested, and can name a call that
+/// hangs.
 class DriverCalls {
 public:
   using Device = std::shared_ptr<haptic::Backend>;
 
-  // The thread's side.
-  /// A call while it lives. `opened`: the device, if it opens one, and the ticket of that.
+  // Used by the thread.
+  /// Marks a call as running while this object lives. `opened`: the device that the call opens, if
+  /// any; `ticket`: the ticket of that opening.
   class Call {
   public:
     Call(DriverCalls& calls, std::string what, Device opened = {}, std::uint64_t ticket = 0);
@@ -28,43 +30,44 @@ public:
   private:
     DriverCalls& calls_;
   };
-  /// The driver is used from now on, or no more.
+  /// Marks the driver as in use from now on; null: no longer.
   void set_use(std::unique_ptr<DriverUse> use);
-  /// The device is open, or about to be closed.
+  /// Reports that the device is open (opened()) or about to be closed (leave()).
   void opened(haptic::Identity identity);
   void leave();
 
-  // The owner's side.
-  /// Openings of another ticket are not wanted any more.
+  // Used by the owner.
+  /// Abandons all openings with another ticket.
   void want(std::uint64_t ticket);
-  /// Nor any device.
+  /// Abandons all openings, for good.
   void want_none();
-  /// Asks an abandoned opening to end. To be repeated while there is something to do.
+  /// Asks an abandoned opening to end. Call it repeatedly while the thread is busy.
   void cancel_unwanted();
-  /// The call that has not returned for longer than `limit_s` after it was abandoned, such as
-  /// "closing the device"; empty when there is none.
+  /// The name of a call, such as "closing the device", that has not returned for longer than
+  /// `limit_s` after it was abandoned; empty if there is none.
   [[nodiscard]] std::string overdue(double limit_s) const;
 
-  /// Whether a thread makes calls, or may.
+  /// Sets whether a thread makes calls or may make them.
   static void set_running(const std::shared_ptr<DriverCalls>& calls, bool running);
   /// At the end of the host's program, when all owners have gone: waits until their threads have
   /// ended, up to `seconds` in all, and names the calls that still hang on the standard error.
-  /// Whether all have ended.
+  /// Returns whether all have ended.
   static bool join_all(double seconds) noexcept;
 
 private:
   void abandon(std::uint64_t wanted, bool for_good);
 
   mutable std::mutex mutex_;
-  std::string call_; ///< empty: none
+  std::string call_; ///< name of the running call; empty if there is none
   Device called_;    ///< the device, if the call opens one
   std::uint64_t call_ticket_ = 0, wanted_ = 0;
-  double since_s_ = 0; ///< when it began or, of an opening, was abandoned; 0: still wanted
+  double since_s_ = 0; ///< start of the call, or for an opening the time when it was abandoned; 0
+                       ///< if still requested
   std::unique_ptr<DriverUse> use_;
 };
 
 /// A thread that calls drivers. It keeps the host's priority, which threads of the drivers inherit,
-/// and DriverCalls::join_all() waits for it instead of the end of all others.
+/// and at the end of the program DriverCalls::join_all() waits for it, not BackgroundThread's end.
 class DriverThread {
 public:
   DriverThread() = default;

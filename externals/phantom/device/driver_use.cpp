@@ -77,7 +77,7 @@ void DriverUse::leave() {
   phase_ = Phase::kLeaving;
 }
 
-/// The last list, with the devices in use marked. The caller holds the table's lock.
+/// Returns the last list, with the devices in use marked. The caller holds the table's lock.
 DriverUse::Listed DriverUse::known(const devices::Driver& driver) {
   Listed listed{{}, table().last_found[&driver]};
   for (const DriverUse* use : table().uses) {

@@ -10,12 +10,12 @@
 namespace tactus::phantom {
 
 /// Registers that a device of a driver is being opened, open or being closed by any object of this
-/// process. While a driver is in use it is not asked for a list, since some libraries then disturb
-/// the running device.
+/// process. A driver in use is not asked for a list, since some libraries would then disturb the
+/// running device.
 class DriverUse {
 public:
-  /// Waits while that driver makes a list or closes a device, as long as keep_waiting() and for 3 s
-  /// at most; then null, with one sentence in `refusal`.
+  /// Waits while that driver makes a list or closes a device, while keep_waiting() is true and for
+  /// 3 s at most. After that returns null, with one sentence in `refusal`.
   [[nodiscard]] static std::unique_ptr<DriverUse> enter(const devices::Driver& driver,
                                                         const std::function<bool()>& keep_waiting,
                                                         std::string& refusal);
@@ -27,11 +27,12 @@ public:
   [[nodiscard]] bool shared() const;
   /// Marks the device as open.
   void opened(haptic::Identity identity);
-  /// The device is about to be closed: enter() of this driver waits until this object is destroyed.
+  /// Call it before the device is closed. enter() for this driver then waits until this object is
+  /// destroyed.
   void leave();
 
-  /// The devices of one driver: its own list or, while it is in use, the last list and the devices
-  /// in use.
+  /// The devices of one driver: the driver's own list or, while the driver is in use, its last list
+  /// and the devices in use.
   struct Listed {
     std::string problem; ///< why the driver is unavailable
     std::vector<devices::Found> found;

@@ -10,14 +10,15 @@ namespace tactus::phantom {
 namespace {
 
 #ifdef TACTUS_NET
-// It lists no devices: the user gives HOST PORT.
+// This driver lists no devices, because the user gives HOST PORT.
 const devices::Driver kNetDriver{
     "net", "a device on another computer, through haptic_server", [] { return std::string(); },
     [] { return std::vector<devices::Found>(); },
     []() -> std::unique_ptr<haptic::Backend> { return std::make_unique<net::RemoteDevice>(); }};
 #endif
 
-/// Words after a driver's name are a setting, as after `driver`, or say which device.
+/// Handles the words after a driver's name. They are a setting, as after `driver`, or choose a
+/// device.
 std::string configure_new(haptic::Backend& device, Words words) {
   if (words.size() > 1 && configure(device, words, false).empty())
     return {};

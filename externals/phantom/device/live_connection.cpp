@@ -10,7 +10,7 @@
 namespace tactus::phantom {
 namespace {
 
-// How long the end of the program waits for devices that do not respond.
+// The time for which the end of the program waits for devices that do not respond.
 constexpr double kExit_s = 0.8;
 
 struct Registry {

@@ -2,7 +2,7 @@
 
 namespace tactus::phantom {
 
-/// Base of objects that may hold a real device. Where the host's program ends without deleting its
+/// Base of objects that may hold a real device. If the host's program ends without deleting its
 /// objects, let_go() is called for each of them before the process ends.
 class LiveConnection {
 public:

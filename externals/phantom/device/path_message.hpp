@@ -7,7 +7,7 @@
 
 namespace tactus::phantom {
 
-/// The path of the message `path ...`, or the sentence that refuses it.
+/// The path that the message `path ...` selects, or the sentence that refuses the message.
 struct PathChoice {
   haptic::Path path{};
   std::string refusal{};

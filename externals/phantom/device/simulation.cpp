@@ -8,7 +8,7 @@ namespace tactus::phantom {
 using Device = haptic::SimulatedDevice;
 using Hold = haptic::HandSettings::Hold;
 
-/// Makes a change while nobody steps the device.
+/// Makes a change while the device is not being stepped.
 template <class Change> void Simulation::between_ticks(const Change& change) {
   if (link_.is_real())
     change(link_.simulated);

@@ -13,7 +13,7 @@ class Simulation {
 public:
   Simulation(ServoSession& session, DeviceLink& link) : session_(session), link_(link) {}
 
-  /// In the user's units.
+  /// Parameters in the user's units.
   struct Parameters {
     double mass_kg = 0.1, viscous_n_s_per_m = 0.5;
     bool stops = true;
@@ -22,10 +22,10 @@ public:
   };
   Parameters given{};
 
-  /// Sets the device to the parameters and the hand. Restarts the thread that steps it, with the
-  /// present rate.
+  /// Applies the parameters and the hand to the device. Restarts the thread that steps the device,
+  /// at the present rate.
   void apply();
-  /// Carries out a message: one of the functions below, which return a sentence when they refuse.
+  /// Handles a message with one of the functions below. They return a sentence if they refuse it.
   template <auto function> void run(const Message& row, Words words, Host& host) {
     const std::string refusal =
         link_.is_real() ? only_simulated(row.name) : (this->*function)(words, host);

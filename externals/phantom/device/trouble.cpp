@@ -6,7 +6,7 @@ namespace tactus::phantom {
 namespace {
 
 constexpr double kPollInterval_ms = 50;
-constexpr double kDebounce_ms = 100; // a trouble is reported after this time
+constexpr double kDebounce_ms = 100; // a trouble is reported once it has lasted this long
 constexpr double kClear_ms = 500;    // its end is reported after this time without trouble
 constexpr double kStall_s = 1;       // a servo without a tick for this long is reported
 
@@ -62,7 +62,7 @@ void Trouble::watch_flags(std::uint32_t flags, Host& host) {
       reports_.send(kStatus, {"status", word, (flags & flag) ? 1.0 : 0.0}, host);
 }
 
-/// What the driver says is reported when it has lasted, as is its end.
+/// Handles the driver's trouble. It is reported once it has lasted, and so is its end.
 void Trouble::watch_sentence(std::string sentence, Host& host) {
   const double now_ms = host.now_ms();
   if (sentence != latest_) {

@@ -10,21 +10,21 @@
 
 namespace tactus::phantom {
 
-/// Troubles of a real device: sent to the patch as `trouble DRIVER SENTENCE`, and once to the
+/// Reports troubles of a real device: to the patch as `trouble DRIVER SENTENCE`, and once to the
 /// host's window.
 class Trouble {
 public:
   Trouble(const ServoSession& session, const DeviceLink& link, const Reports& reports)
       : session_(session), link_(link), reports_(reports) {}
 
-  /// The device has been opened.
+  /// Call it when the device has been opened.
   void begin(Host& host);
-  /// Reports what is new of the open device's state and troubles. `silence_s`: time since the
-  /// servo's last report. Returns a new fault.
+  /// Reports changes of the open device's state and troubles. `silence_s` is the time since the
+  /// servo's last report. Returns a new fault, if there is one.
   [[nodiscard]] std::optional<haptic::Fault> watch(double silence_s, Host& host);
-  /// A trouble that is reported now, and lasts; empty: its end.
+  /// Reports a lasting trouble at once; an empty sentence reports its end.
   void report(std::string_view sentence, Host& host);
-  /// One of no duration.
+  /// Sends a trouble that has no duration.
   void send(std::string_view sentence, Host& host) const;
 
 private:
@@ -34,10 +34,10 @@ private:
   const ServoSession& session_;
   const DeviceLink& link_;
   const Reports& reports_;
-  std::optional<std::uint32_t> flags_; ///< none: not reported since opening
+  std::optional<std::uint32_t> flags_; ///< empty if not reported since opening
   std::uint32_t faults_ = 0;
-  std::string sent_, latest_; ///< as sent to the patch; as last read from the driver
-  double since_ms_ = 0;       ///< when the latest one changed
+  std::string sent_, latest_; ///< last sent to the patch; last read from the driver
+  double since_ms_ = 0;       ///< time at which latest_ changed
   double polled_ms_ = -1e9;
 };
 

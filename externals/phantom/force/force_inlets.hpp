@@ -14,11 +14,11 @@ public:
   ForceInlets(ServoSession& session, const Reports& reports)
       : session_(session), reports_(reports) {}
 
-  bool in_shares_of_limit = false; ///< 1 is forcemax, else 1 N
+  bool in_shares_of_limit = false; ///< if true, 1 at an inlet means forcemax, otherwise 1 N
 
-  /// For the next apply().
+  /// Sets a component for the next apply().
   void set(std::size_t inlet, double value) noexcept;
-  /// Gives the force to the servo.
+  /// Passes the force to the servo.
   void apply(double limit_n, Host& host);
 
 private:

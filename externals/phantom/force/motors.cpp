@@ -67,8 +67,8 @@ void Motors::latch() {
     }
 }
 
-/// Applies the stop that an earlier object latched under that key; one of this object is latched
-/// under it.
+/// Applies the stop that an earlier object latched under the key. If this object is stopped,
+/// latches its stop under the key.
 void Motors::inherit(const std::string& key, Host& host) {
   const bool stopped = control().request().stopped, latched = estop_latched(key);
   if (!stopped && latched)

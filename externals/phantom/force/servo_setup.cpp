@@ -116,7 +116,7 @@ void ServoSetup::apply() noexcept {
   chain.slew_n_per_s = given.slew_n_per_ms * 1e3;
   chain.extrapolation_s = given.extrap_ms * 1e-3;
   chain.strict = given.strict;
-  chain.resume = !link_.is_real() || given.resume; // else a freeze of the host needs motors 1
+  chain.resume = !link_.is_real() || given.resume; // else motors 1 is needed after a freeze
   chain.passivity = given.passivity;
   chain.tank_j = given.tank_j;
   chain.allowance_w = given.allowance_w;

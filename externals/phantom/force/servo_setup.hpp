@@ -12,7 +12,7 @@ class ServoSetup {
 public:
   ServoSetup(ServoSession& session, const DeviceLink& link) : session_(session), link_(link) {}
 
-  /// In the user's units.
+  /// Parameters in the user's units.
   struct Parameters {
     double forcemax_n = 8, slew_n_per_ms = 2, extrap_ms = 0;
     bool strict = false, resume = false, passivity = true;
@@ -23,18 +23,18 @@ public:
   [[nodiscard]] const haptic::Workspace& workspace() const noexcept {
     return settings_.chain.workspace;
   }
-  /// The lower of forcemax and the device's peak.
+  /// The smaller of forcemax and the device's peak force.
   [[nodiscard]] double force_limit_n() const noexcept { return settings_.chain.force_limit_n; }
-  /// Gives the settings for the present device to the servo.
+  /// Passes the settings for the present device to the servo.
   void apply() noexcept;
 
   void set_workspace(Words words, Host& host);
   void set_map(Words words, Host& host);
   void set_interpolation(const Atom& time, Host& host);
   void set_watchdog(Words words, Host& host);
-  /// `workspace learn 1`: includes the handle's position.
+  /// With `workspace learn 1`, extends the workspace to include the handle's position.
   void learn() noexcept;
-  /// A device has been opened: its workspace, unless the user has set one.
+  /// Takes the workspace of a newly opened device, unless the user has set one.
   void use_workspace() noexcept;
   void dump(Host& host) const;
 

@@ -18,9 +18,9 @@ public:
   void enable(const Atom& on, Host& host);
   void set_torque(Words words, Host& host);
   void set_grip(Words words, Host& host);
-  /// Gives the request to the servo.
+  /// Passes the request to the servo.
   void publish() const { session_.exchange().wrist.write(request_); }
-  /// Sends `torque` and `grip` of a report; `all`: also where no tag asks for them.
+  /// Sends `torque` and `grip` of a report; `all`: sends them even if their tags are off.
   void send(const haptic::Report& report, bool all, Host& host) const;
 
 private:

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 
-/// NamedNetwork's masses and links; network_message.cpp and network_settings.cpp have the messages.
+/// NamedNetwork's masses and links. The messages are in network_message.cpp and
+/// network_settings.cpp.
 namespace tactus::phantom {
 
 using haptic::Network;
@@ -46,7 +47,7 @@ void NamedNetwork::add(const haptic::NetworkPart& part, const std::string& group
   }
 }
 
-/// Removes a mass, or those of a string or membrane.
+/// Removes a mass, or the masses of a string or membrane.
 bool NamedNetwork::remove_named(const std::string& name) {
   return remove_if(
       [&](const Name& n) { return n.name == name || (!n.group.empty() && n.group == name); });
@@ -56,9 +57,9 @@ bool NamedNetwork::remove_mass(const std::string& name) {
   return remove_if([&](const Name& n) { return n.name == name; });
 }
 
-/// Removes masses with their links and pickups. False when there were none.
+/// Removes masses with their links and pickups. Returns false if there were none.
 template <class Predicate> bool NamedNetwork::remove_if(const Predicate& predicate) {
-  std::vector<std::size_t> index(names_.size(), kNone); // after the removal
+  std::vector<std::size_t> index(names_.size(), kNone); // new index of each mass, or kNone
   std::size_t kept = 0;
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (predicate(names_[i]))

@@ -18,9 +18,10 @@ inline constexpr Range kNetworkDamping{"b", "N s/m", 0, 100};
 class NamedNetwork {
 public:
   NamedNetwork() { network_.drag_per_s = kDrag_per_s; }
-  /// One of the messages that change the network: mass, anchor, link, string, membrane, load, del,
-  /// touch, grab, listen, drag, gravity or rate. Returns a sentence when it is refused, also
-  /// because the network could not be stepped in ticks of period_s; nothing has changed then.
+  /// Handles a message that changes the network: mass, anchor, link, string, membrane, load, del,
+  /// touch, grab, listen, drag, gravity or rate. Returns a sentence if the message is refused,
+  /// which includes a network that cannot be stepped in ticks of period_s. Nothing has changed
+  /// then.
   [[nodiscard]] std::string handle(Words words, const Host& host, double period_s);
   /// A copy for the servo.
   [[nodiscard]] std::unique_ptr<const haptic::Network> snapshot() const {
@@ -33,8 +34,8 @@ public:
     std::string refusal{};
   };
   [[nodiscard]] Found movable(const Atom& name) const;
-  /// Steps per second in ticks of that length, 0 when a tick would have too many; and the reason
-  /// where this is not the set rate.
+  /// Steps per second in ticks of that length, 0 if a tick would have too many steps, and the
+  /// reason if this is not the set rate.
   struct Stepping {
     double rate_hz = 0;
     std::string reason{};
@@ -47,7 +48,7 @@ private:
     std::string name;
     std::string group; ///< the string or membrane that the mass belongs to
   };
-  static constexpr double kDrag_per_s = 1; // a sound dies by 60 dB in 14 s without a damper
+  static constexpr double kDrag_per_s = 1; // without a damper, a sound decays by 60 dB in 14 s
   static constexpr std::size_t kNone = haptic::NetworkPickup::kNone;
 
   [[nodiscard]] std::string change(Words words, const Host& host);
@@ -72,7 +73,7 @@ private:
   [[nodiscard]] std::string too_large() const;
 
   haptic::Network network_{};
-  std::vector<Name> names_; // of network_.masses
+  std::vector<Name> names_; // names of network_.masses
   std::uint64_t keys_ = 0;
 };
 

@@ -48,8 +48,8 @@ std::string NamedNetwork::change(Words words, const Host& host) {
          "drag, gravity, rate or reset";
 }
 
-/// Adds a mass, or changes the mass of that name. A changed mass keeps its motion and its links;
-/// `reset` then moves it to the new position.
+/// Adds a mass, or changes the mass of that name. A changed mass keeps its motion and its links; it
+/// moves to its new position only on `reset`.
 std::string NamedNetwork::add_mass(Words words) {
   constexpr Range ranges[] = {kPointMass, near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
@@ -91,8 +91,8 @@ std::string NamedNetwork::add_anchor(Words words) {
   return {};
 }
 
-/// Adds a spring and damper between two masses, or replaces theirs. Its rest length (l0) is their
-/// distance unless given.
+/// Adds a spring and damper between two masses, or replaces theirs. Unless given, the rest length
+/// (l0) is the distance of the masses.
 std::string NamedNetwork::add_link(Words words) {
   using Kind = haptic::NetworkLink::Kind;
   constexpr Range ranges[] = {
@@ -154,7 +154,7 @@ std::string NamedNetwork::add_string(Words words) {
   const double length_m = norm(string.to - string.from);
   if (length_m < 1e-3)
     return "the ends are " + number_text(length_m * 1e3) + " mm apart: expected 1 or more";
-  // A softer link would need a rest length below zero to be under that tension.
+  // A softer link would need a negative rest length to have that tension.
   const double min_stiffness = string.tension_n * (string.count + 1) / length_m;
   if (string.stiffness_n_per_m > 0 && string.stiffness_n_per_m < min_stiffness)
     return "stiffness " + number_text(string.stiffness_n_per_m) + " N/m: expected 0 or at least " +

@@ -27,7 +27,7 @@ std::string NamedNetwork::set_touch(Words words) {
   return refusal;
 }
 
-/// Checks the mass and sets the spring; NetworkModel::Action does the grabbing.
+/// Checks the mass and sets the spring; NetworkModel::Action performs the grab.
 std::string NamedNetwork::set_grab(Words words) {
   constexpr Range ranges[] = {{"k", "N/m", 1, 1e5}, kNetworkDamping};
   if (words.empty())

@@ -5,7 +5,7 @@
 namespace tactus::phantom {
 namespace {
 
-// Audio that has not run for this long, and two blocks, no longer steps the servo.
+// If audio has not run for this long plus two blocks, it no longer steps the servo.
 constexpr double kAudioTimeout_ms = 20;
 constexpr std::uint64_t kPublishInterval_ticks = 64;
 

@@ -13,7 +13,7 @@
 namespace tactus::phantom {
 namespace {
 
-constexpr double kMaxHostStall_s = 0.1; // between calls of read(), normally every 5 ms
+constexpr double kMaxHostStall_s = 0.1; // longest time between calls of read(), normally every 5 ms
 
 std::string newtons(double force_n) {
   char text[32];
@@ -25,8 +25,8 @@ std::string newtons(double force_n) {
 
 void ServoOutput::read(const Host& host) {
   const double now_s = devices::ServoThread::now_s();
-  const bool stalled =
-      now_s - collected_s_ > kMaxHostStall_s; // then the servo may have stalled, too
+  const bool stalled = now_s - collected_s_ > kMaxHostStall_s; // after a stall of the host, the
+                                                               // servo may have stalled too
   if (session_.wall)
     clock_map_.follow(host.now_ms(), now_s);
   collected_s_ = now_s;

@@ -9,7 +9,8 @@ namespace tactus::phantom {
 
 std::string Trace::open(const std::string& path) {
 #ifdef _WIN32
-  file_.reset(_wfopen(utf8_path(path).c_str(), L"wb")); // binary: the same bytes on all systems
+  file_.reset(_wfopen(utf8_path(path).c_str(), L"wb")); // binary, so that all systems write the
+                                                        // same bytes
 #else
   file_.reset(std::fopen(path.c_str(), "w"));
 #endif
@@ -33,7 +34,7 @@ std::string Trace::close() {
 void Trace::write(const haptic::Report& r, double ms) {
   if (!file_)
     return;
-  if (r.tick.index < next_index_) // the servo began again, after a reconnection
+  if (r.tick.index < next_index_) // the servo restarted, after a reconnection
     first_number_ = number_;
   next_index_ = r.tick.index + 1;
   number_ = first_number_ + next_index_;

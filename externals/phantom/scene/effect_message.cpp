@@ -100,7 +100,7 @@ template <class Effect> std::string read_or_off(Words words, std::optional<Effec
   return read(words, *effect);
 }
 
-/// Calls `visit(name, effect)` for each of the effects, in order.
+/// Calls `visit(name, effect)` for each effect, in order.
 template <class Settings, class Visit> void visit_all(Settings& settings, const Visit& visit) {
   visit("constant", settings.constant);
   visit("spring", settings.spring);

@@ -16,9 +16,10 @@ constexpr double kLate = 0.5; // the mean over a network's steps in a tick adds 
 
 } // namespace
 
-/// What the device renders stably: the stiffness that it states, or else Colgate's bound of a
-/// sampled spring, K < 2 (B + b)/T. No limits for a device without motors, and for a real device
-/// before it is open, since its capabilities are not known.
+/// The stiffness and damping that the device renders stably. The stiffness is the device's own
+/// limit or else Colgate's bound of a sampled spring, K < 2 (B + b)/T. There are no limits for a
+/// real device without motors, and none for a real device that is not open, since its capabilities
+/// are unknown.
 FeltModels::Limits FeltModels::limits() const noexcept {
   const haptic::Caps caps = link_.device().caps();
   if (link_.is_real() && !(link_.is_open() && caps.axes_out > 0))
@@ -70,7 +71,7 @@ void FeltModels::network(Words words, Host& host) {
     host.error(refusal);
 }
 
-/// Actions of the hand on the network.
+/// Carries out actions of the hand on the network.
 std::string FeltModels::act(Words words) {
   NetworkModel::Action action;
   if (is(words[0], "pluck")) {
@@ -121,7 +122,7 @@ void FeltModels::warn_of_scene(Host& host) {
   warn("scene: " + damped.name, 0, damped.value, host);
 }
 
-/// Of the effect of that name; empty: of all.
+/// Warns of the effect of that name; of all effects if the name is empty.
 void FeltModels::warn_of_effects(std::string_view name, Host& host) {
   visit_demands(effects_, [&](std::string_view effect, EffectDemand demand) {
     if (name.empty() || effect == name)
@@ -130,8 +131,8 @@ void FeltModels::warn_of_effects(std::string_view name, Host& host) {
   });
 }
 
-/// Warns of more stiffness or damping than the device renders stably: once for each new maximum.
-/// `share`: factor on the limit of the stiffness for a model whose force comes late.
+/// Warns of more stiffness or damping than the device renders stably, once for each new maximum.
+/// `share` multiplies the limit of the stiffness, for a model whose force is delayed.
 void FeltModels::warn(const std::string& what, double n_per_m, double n_s_per_m, Host& host,
                       double share) {
   const Limits device = limits();

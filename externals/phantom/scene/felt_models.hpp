@@ -11,7 +11,7 @@
 
 namespace tactus::phantom {
 
-/// What the patch makes felt inside the servo, by the messages `scene`, `effect` and `network`.
+/// The models in the servo that the messages `scene`, `effect` and `network` build.
 class FeltModels {
 public:
   FeltModels(const ServoSession& session, const DeviceLink& link, const ServoSetup& setup,
@@ -20,11 +20,11 @@ public:
   void scene(Words words, Host& host);
   void effect(Words words, Host& host);
   void network(Words words, Host& host);
-  /// Gives all of it to the servo.
+  /// Passes all models to the servo.
   void publish() const;
-  /// Warns of what a device that has been opened does not render stably.
+  /// Warns of stiffness and damping that a newly opened device does not render stably.
   void warn(Host& host);
-  /// A new period of the ticks may need more steps than a tick can have.
+  /// Call it after a new tick period, which may need more steps than a tick can have.
   void check_network(Host& host) const;
   /// The name of a body of the scene.
   [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept { return scene_.name_of(key); }

@@ -165,7 +165,7 @@ std::unique_ptr<const haptic::Scene> NamedScene::snapshot() const {
   std::vector<const Entry*> ordered;
   for (const Entry& entry : entries_)
     ordered.push_back(&entry);
-  const auto rank = [](const Entry* entry) { // words come last
+  const auto rank = [](const Entry* entry) { // names that are words come last
     return entry->is_number ? to_number(entry->name).value_or(kLast) : kLast;
   };
   std::stable_sort(ordered.begin(), ordered.end(),

@@ -16,16 +16,17 @@ public:
   static constexpr std::size_t kMaxSolids = 64, kMaxMeshes = 8;
 
   static constexpr double kMinTool_mm = 0.01, kMaxTool_mm = 50;
-  /// One of the scene's messages: add, mat, move, del, tool, k or load. Returns a sentence
-  /// when it is refused; nothing has changed then.
+  /// Handles a message of the scene: add, mat, move, del, tool, k or load. Returns a sentence if
+  /// the message is refused; nothing has changed then.
   [[nodiscard]] std::string handle(Words words, const Host& host);
-  /// A copy for the servo. Bodies whose names are numbers come first, in their order, then those
-  /// with words, in the order in which they were first added. The events of one tick have the same
-  /// order.
+  /// A copy for the servo. Bodies whose names are numbers come first, in numeric order. Bodies
+  /// whose names are words follow, in the order in which they were first added. The events of one
+  /// tick have the same order.
   [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
   /// The name of a body, also of one that was removed recently.
   [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
-  /// The body that has most of a property of its material, and its name; empty for an empty scene.
+  /// The largest value of a property among the bodies' materials, and that body's name; empty for
+  /// an empty scene.
   struct NamedMaximum {
     std::string name;
     double value = 0;
@@ -60,7 +61,7 @@ private:
   std::deque<RemovedBody> removed_;
   std::uint64_t keys_ = 0;
   double tool_radius_m_ = 0;
-  haptic::Material material_{}; // of bodies that are added from now on
+  haptic::Material material_{}; // material of bodies that are added from now on
 };
 
 } // namespace tactus::phantom

@@ -9,7 +9,7 @@ namespace {
 
 using haptic::Rotation;
 
-constexpr std::size_t kMaxTriangles = 4'000'000; // of a mesh that is felt
+constexpr std::size_t kMaxTriangles = 4'000'000; // maximum of a mesh that can be felt
 
 constexpr Range direction(std::string_view name) { return {name, "", -1e6, 1e6}; }
 constexpr Range length(std::string_view name) { return {name, "mm", 0.01, kMaxCoordinate_mm}; }

@@ -11,7 +11,7 @@ namespace tactus::phantom {
 struct ShapeChoice {
   haptic::Shape shape{haptic::Plane{}};
   haptic::Pose pose{};
-  std::string refusal; ///< one sentence when the words are wrong
+  std::string refusal; ///< one sentence if the words are wrong
 };
 [[nodiscard]] ShapeChoice choose_shape(Words words, const Host& host);
 

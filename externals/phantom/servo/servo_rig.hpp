@@ -14,7 +14,7 @@ namespace tactus::phantom {
 
 /// A servo with all models that its steps use. It lives as long as the thread that runs the steps:
 /// a thread that hangs in a call of a driver keeps its rig, and the object continues with a new
-/// one. Models of the servo therefore belong here and not into the object.
+/// one. Therefore the models of the servo belong to the rig and not to the object.
 struct ServoRig {
   haptic::SceneModel scene{};
   haptic::EffectModel effects{};
@@ -32,7 +32,7 @@ struct ServoRig {
     signals->set_scene(scene);
     signals->set_network(network);
   }
-  /// What the device's capabilities mean to the models.
+  /// Passes the limits that the models need from the device's capabilities.
   void set_limits(const haptic::Caps& caps) noexcept {
     scene.set_continuous_force(caps.continuous_force_n);
     effects.set_damping_limit(caps.damping_limit_n_s_per_m);

@@ -37,7 +37,7 @@ void ServoSession::fade_out() noexcept {
   const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
   while (!exchange().motors.zero_force_confirmed() && devices::ServoThread::now_s() < give_up_s)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  static_cast<void>(thread_->stop()); // waits: a simulated step cannot hang
+  static_cast<void>(thread_->stop()); // can wait, because a simulated step cannot hang
   exchange().motors.pause(false);
 }
 

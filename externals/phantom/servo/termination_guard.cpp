@@ -13,7 +13,7 @@
 namespace tactus::phantom {
 namespace {
 
-// The data that the signal handler reads: without locks, in memory that is never freed.
+// The data that the signal handler reads, without locks and in memory that is never freed.
 constexpr int kMaxMotors = 256;
 struct Slot {
   std::atomic<haptic::MotorControl*> motors{nullptr};

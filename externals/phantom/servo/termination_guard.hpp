@@ -4,8 +4,8 @@
 
 namespace tactus::phantom {
 
-/// Motors that the handler of SIGTERM stops. In the host's thread only the handler still runs then;
-/// the servos' threads run on.
+/// Motors that the handler of SIGTERM stops. In the host's thread, only the handler then runs; the
+/// servos' threads continue.
 class TerminationGuard {
 public:
   explicit TerminationGuard(haptic::MotorControl& motors) noexcept;
@@ -13,8 +13,8 @@ public:
   TerminationGuard(const TerminationGuard&) = delete;
   TerminationGuard& operator=(const TerminationGuard&) = delete;
 
-  /// driven: a thread steps the servo of these motors, so that the handler waits for its zero
-  /// force. Installs the handler, unless the host has one of its own.
+  /// driven: a thread steps the servo of these motors, so that the handler waits until that servo
+  /// has written zero force. Installs the handler, unless the host has its own.
   void set_driven(bool driven) noexcept;
 
 private:

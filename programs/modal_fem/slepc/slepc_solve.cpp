@@ -7,11 +7,12 @@
 // PETSc's binary format. The results are written to VALUES (one vector) and VECTORS, ascending.
 // SHIFT is s in rad^2/s^2: Krylov-Schur on (K + s M)^-1 M with MUMPS' distributed factor. A single
 // start vector finds the second copy of a multiple eigenvalue only through rounding, so the number
-// is checked: K - sigma M, with sigma in a gap above the last requested mode, has as many negative
-// pivots as there are eigenvalues below sigma (Sylvester). Missing ones are searched for
-// orthogonally to those found.
+// of eigenvalues is checked: K - sigma M, with sigma in a gap above the last requested mode, has as
+// many negative pivots as there are eigenvalues below sigma (Sylvester). Missing eigenvalues are
+// searched for orthogonally to those found.
 //
-// On stdout "stage SHARE NAME" while it works; at the end "peak BYTES" of the largest process.
+// While it works it prints "stage SHARE NAME" on stdout, and at the end "peak BYTES" of the largest
+// process.
 #include "programs/body/petsc_program.hpp"
 
 #include <algorithm>
@@ -51,7 +52,7 @@ PetscErrorCode prepare_factor(KSP solver) {
   return 0;
 }
 
-/// How many eigenvalues of (K, M) lie below sigma.
+/// Counts the eigenvalues of (K, M) below sigma.
 PetscErrorCode count_below(Mat stiffness, Mat mass, PetscReal sigma, PetscInt& below) {
   Mat shifted = nullptr, factor = nullptr;
   PetscCall(MatDuplicate(stiffness, MAT_COPY_VALUES, &shifted));
@@ -66,7 +67,8 @@ PetscErrorCode count_below(Mat stiffness, Mat mass, PetscReal sigma, PetscInt& b
   PetscCall(PCFactorSetUpMatSolverType(preconditioner));
   PetscCall(PCFactorGetMatrix(preconditioner, &factor));
   PetscCall(MatMumpsSetIcntl(factor, 24, 1)); // detects null pivots
-  PetscCall(MatMumpsSetIcntl(factor, 13, 1)); // no ScaLAPACK for the root: MUMPS then counts
+  PetscCall(MatMumpsSetIcntl(factor, 13, 1)); // without ScaLAPACK for the root, MUMPS counts the
+                                              // pivots
   PetscCall(KSPSetUp(solver));
   PetscInt zero = 0, above = 0;
   PetscCall(MatGetInertia(factor, &below, &zero, &above));
@@ -81,7 +83,7 @@ struct Pair {
 };
 
 /// Whether an M-normalised vector lies outside the span of the first `known` pairs: rounding lets
-/// deflated ones reappear.
+/// deflated pairs reappear.
 PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t known, Vec vector,
                         bool& is_new) {
   Vec weighted = nullptr;
@@ -99,16 +101,16 @@ PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t kn
   return 0;
 }
 
-/// K x = lambda M x of a body with those rigid motions; the search starts at -shift.
+/// The problem K x = lambda M x of a body with these rigid motions. The search starts at -shift.
 struct Problem {
   Mat stiffness = nullptr, mass = nullptr;
   PetscReal shift = 0;
   std::vector<Vec> rigid{};
 };
 
-/// Adds converged pairs M-orthogonal to `pairs` and the rigid motions, `requested` of them at
-/// least. The factor is freed on return, so that it and that of the count are never in memory
-/// together.
+/// Adds at least `requested` converged pairs that are M-orthogonal to `pairs` and to the rigid
+/// motions. Frees the factor on return, so that this factor and that of the count are never in
+/// memory together.
 PetscErrorCode find_pairs(const Problem& problem, std::vector<Pair>& pairs, PetscInt requested,
                           Counted& counted) {
   report_progress(0, "factorising");
@@ -158,7 +160,7 @@ PetscErrorCode find_pairs(const Problem& problem, std::vector<Pair>& pairs, Pets
 }
 
 /// The sigma for counting: in the largest gap between two pairs from number `count` on, or above
-/// the last pair if those all form one group. `last`: the pair below sigma.
+/// the last pair if these pairs all form one group. `last` is the pair below sigma.
 PetscReal gap_above(const std::vector<Pair>& pairs, std::size_t count, std::size_t& last) {
   constexpr PetscReal kGroup = 1 + 1e-4;
   PetscReal widest = kGroup;
@@ -195,7 +197,7 @@ PetscErrorCode write(const std::vector<Pair>& pairs, const char* values, const c
   return 0;
 }
 
-/// The matrices and the rigid motions, of the files that the command line names.
+/// Reads the matrices and the rigid motions from the files that the command line names.
 PetscErrorCode read_matrices(char** words, Problem& problem) {
   PetscViewer source = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));

@@ -2,14 +2,14 @@
 //
 //   mpirun -n RANKS petsc_solve MATRIX VECTORS SOLUTION TOLERANCE [PETSc's options]
 //
-// MATRIX holds K; VECTORS holds f, a start and the coordinates of the nodes, three numbers a node
-// in the order of the unknowns; all in PETSc's binary form. SOLUTION gets u. Conjugate gradients
-// with smoothed aggregation (GAMG), whose near null space is that of a rigid body (Adams,
-// Evaluation of three unstructured multigrid methods on 3D finite element problems in solid
-// mechanics, 2002), until ||f - K u|| <= TOLERANCE ||f||.
+// MATRIX holds K; VECTORS holds f, an initial u and the coordinates of the nodes, three numbers per
+// node in the order of the unknowns. All are in PETSc's binary form. The program writes u to
+// SOLUTION. It uses conjugate gradients with smoothed aggregation (GAMG), whose near null space is
+// that of a rigid body (Adams, Evaluation of three unstructured multigrid methods on 3D finite
+// element problems in solid mechanics, 2002), until ||f - K u|| <= TOLERANCE ||f||.
 //
-// On stdout "stage SHARE NAME" while it works; at the end "iterations N" and for each process
-// "process RANK BYTES CPU_SECONDS".
+// While it works it prints "stage SHARE NAME" on stdout; at the end it prints "iterations N" and
+// for each process "process RANK BYTES CPU_SECONDS".
 #include "programs/body/petsc_program.hpp"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ PetscErrorCode monitor(KSP, PetscInt iteration, PetscReal residual, void* contex
   return 0;
 }
 
-/// K, f, the start and the nodes, of the files that the command line names.
+/// Reads K, f, the initial u and the nodes from the files that the command line names.
 PetscErrorCode read_equations(char** words, Mat& stiffness, Vec& load, Vec& solution, Vec& nodes) {
   PetscViewer source = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
@@ -61,7 +61,7 @@ PetscErrorCode read_equations(char** words, Mat& stiffness, Vec& load, Vec& solu
   return 0;
 }
 
-/// Each process's largest memory, bytes, and its processor time, s.
+/// Prints each process's largest memory, bytes, and processor time, s.
 PetscErrorCode print_processes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
