@@ -37,7 +37,7 @@ DRAWN = "Pd draws its cells by data structures"
 # reason}}.
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
-    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "Bright areas of the map": "",
+    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "A note plays in bright areas": "",
                     "draw the map again": ""},
     "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "quantity growth": "",
                              "quantity f_p": "", "s playability_map-map": ""},

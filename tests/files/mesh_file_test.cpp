@@ -172,9 +172,8 @@ TEST_CASE("what is wrong is one sentence with its line") {
         {begin + "edge 1 1 0\n", "line 5: \"edge\", expected " + stl_words},
         {begin + "vertex 1 1 0 vertex 1 1 1\n", "line 5: \"vertex\", expected " + stl_words},
         {"solid\nfacet normal 0 0 1 outer loop\n", "line 2: \"outer\", expected " + stl_words},
-        {begin + "vertex 0,5 1 0\n",
-         "line 5: 0,5 has a comma, expected a number with a decimal point"},
-        {"v 0 1,5e-3 0\n", "line 1: 1,5e-3 has a comma, expected a number with a decimal point"},
+        {begin + "vertex 0,5 1 0\n", "line 5: 0,5 has a comma: expected a decimal point"},
+        {"v 0 1,5e-3 0\n", "line 1: 1,5e-3 has a comma: expected a decimal point"},
         {kSquare + "fo 1 2 3\nf 1 2 3\n", "line 5: \"fo\", expected a keyword of OBJ"}}) {
     CAPTURE(one.text);
     CHECK(error_of(one.text) == one.error);
