@@ -8,6 +8,7 @@
 // bore, one length inside at three sample rates, and what each costs a sample (--quick leaves that
 // out).
 #include "bench/paired.hpp"
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/bore_line.hpp"
 #include "core/reed/bore/radiation_path.hpp"
@@ -20,7 +21,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdio>
 #include <cstring>
 #include <numbers>
@@ -171,12 +171,12 @@ private:
 };
 
 /// Amplitude of the sinusoid at `turns` a sample, Hann window.
-std::complex<double> component(const Signal& x, std::size_t from, std::size_t count, double turns) {
-  std::complex<double> sum = 0;
+tactus::Complex component(const Signal& x, std::size_t from, std::size_t count, double turns) {
+  tactus::Complex sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double t = static_cast<double>(i);
     const double window = 1 - std::cos(2 * kPi * t / static_cast<double>(count));
-    sum += window * x[from + i] * std::polar(1.0, -2 * kPi * turns * t);
+    sum += window * x[from + i] * tactus::math::polar(1.0, -2 * kPi * turns * t);
   }
   return 2.0 * sum / static_cast<double>(count);
 }
@@ -194,7 +194,7 @@ Measurement measure(const Signal& sound, const Signal& bore, double rate, double
   double turns = frequency / rate, largest = 0;
   for (double cents = -300; cents <= 300; cents += 10) {
     const double tried = frequency / rate * std::exp2(cents / 1200);
-    const double size = std::abs(component(bore, from, count, tried));
+    const double size = abs(component(bore, from, count, tried));
     if (size > largest)
       largest = size, turns = tried;
   }
@@ -203,13 +203,13 @@ Measurement measure(const Signal& sound, const Signal& bore, double rate, double
     const double turned = 2 * kPi * static_cast<double>(apart);
     const auto first = component(bore, from, count, turns);
     const auto second = component(bore, from + apart, count, turns);
-    turns += std::arg(second / first * std::polar(1.0, -turned * turns)) / turned;
+    turns += arg(second / first * tactus::math::polar(1.0, -turned * turns)) / turned;
   }
   measurement.cents = 1200 * std::log2(turns * rate / frequency);
   double power = 0, first_moment = 0;
   for (std::size_t k = 0; k < measurement.harmonics.size(); ++k) {
     const double number = static_cast<double>(k + 1);
-    measurement.harmonics[k] = std::abs(component(sound, from, 2 * count, number * turns));
+    measurement.harmonics[k] = abs(component(sound, from, 2 * count, number * turns));
     power += std::pow(measurement.harmonics[k], 2);
     first_moment += number * std::pow(measurement.harmonics[k], 2);
   }
@@ -291,7 +291,7 @@ void print_single_trip(double rate, double sigma, int steps) {
   }
   std::printf("%6.0f %5.2f %5d  ", rate, sigma, steps);
   for (int n = 1; n <= 6; ++n)
-    std::printf(" %+6.2f", decibels(std::abs(component(wave, from, count, n / period)) /
+    std::printf(" %+6.2f", decibels(abs(component(wave, from, count, n / period)) /
                                     (pressure * blackstock(n, sigma))));
   std::printf("  %8.5f\n", gain);
 }
@@ -310,8 +310,7 @@ void print_round_trip(double rate, double sigma) {
     wave.swap(next);
     const auto level = [&](int n) {
       const std::size_t from = index(static_cast<int>(2 * period));
-      return decibels(
-          std::abs(component(wave, from, index(static_cast<int>(6 * period)), n / period)));
+      return decibels(abs(component(wave, from, index(static_cast<int>(6 * period)), n / period)));
     };
     std::printf("  %s H1 %+6.2f H2 %+7.2f H3 %+7.2f", direction == 1 ? "out" : "back", level(1),
                 level(2), level(3));
@@ -339,8 +338,8 @@ void print_outgoing(double rate, double sigma) {
     path.run(wave.data() + i, kBlock, length);
   std::printf("%6.0f %5.2f   out  ", rate, sigma);
   for (int n = 1; n <= 6; ++n)
-    std::printf(" %+6.2f", decibels(std::abs(component(wave, wave.size() / 2, wave.size() / 4,
-                                                       n * frequency / rate)) /
+    std::printf(" %+6.2f", decibels(abs(component(wave, wave.size() / 2, wave.size() / 4,
+                                                  n * frequency / rate)) /
                                     (pressure * p.input_radius / 2 * blackstock(n, sigma))));
   std::printf("\n");
 }

@@ -11,12 +11,12 @@
 #include "bench/modal_bank/faust_peers.hpp"
 #include "bench/modal_bank/large_bodies.hpp"
 #include "bench/modal_bank/peers.hpp"
+#include "core/dsp/complex.hpp"
 #include "core/modal/body/struck_body.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <complex>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -89,7 +89,7 @@ struct Bank {
   /// Decay rates from 1 to 1 + `spread`, 1/s.
   Bank(std::size_t modes, VectorSet set, double spread = 4)
       : bank([&] {
-          std::vector<std::complex<double>> rate;
+          std::vector<tactus::Complex> rate;
           for (std::size_t k = 0; k < modes; ++k)
             rate.emplace_back(
                 -1 - spread * static_cast<double>(k) / static_cast<double>(modes),
@@ -98,7 +98,7 @@ struct Bank {
           return ModeBank(rate, 48000, 1, 1, set);
         }()) {
     bank.set_gain(0, std::vector<double>(modes, 1.0));
-    bank.jump_to_weight(0, std::vector<std::complex<double>>(modes, {0.3, 0.8}));
+    bank.jump_to_weight(0, std::vector<tactus::Complex>(modes, {0.3, 0.8}));
   }
   void block(const float* in, float* out) { bank.process({&in, 1}, {&out, 1}, 64); }
   ModeBank bank;

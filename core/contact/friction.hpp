@@ -1,10 +1,13 @@
 #pragma once
 
-#include "core/contact/elementary.hpp"
 #include "core/contact/impact.hpp"
+#include "core/contact/power.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 
 namespace tactus::contact {
 

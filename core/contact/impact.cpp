@@ -1,6 +1,7 @@
 #include "core/contact/impact.hpp"
 
 #include "core/contact/pressed_contacts.hpp"
+#include "core/dsp/elementary.hpp"
 
 #include <cmath>
 #include <limits>
@@ -29,7 +30,7 @@ double ImpactLaw::indentation(double x) const noexcept {
   // always converges.
   double d = x;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const double give = compliance_m_per_n * stiffness * std::pow(d, exponent);
+    const double give = compliance_m_per_n * stiffness * math::pow(d, exponent);
     const double step = (d + give - x) / (1 + exponent * give / d);
     d -= step;
     if (!(step > kTolerance * x) || !(d > 0))
@@ -41,21 +42,21 @@ double ImpactLaw::indentation(double x) const noexcept {
 double ImpactLaw::force(double x, double v) const noexcept {
   if (!(x > 0))
     return 0;
-  return std::max(stiffness * std::pow(indentation(x), exponent) * (1 + dissipation_s_per_m * v),
+  return std::max(stiffness * math::pow(indentation(x), exponent) * (1 + dissipation_s_per_m * v),
                   0.0);
 }
 
 double ImpactLaw::work(double x) const noexcept {
   if (!(x > 0))
     return 0;
-  const double d = indentation(x), force = stiffness * std::pow(d, exponent);
+  const double d = indentation(x), force = stiffness * math::pow(d, exponent);
   return force * d / (exponent + 1) + 0.5 * compliance_m_per_n * force * force;
 }
 
 double ImpactLaw::deepest(double work_j) const noexcept {
   if (!(work_j > 0))
     return 0;
-  const double alone = std::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1));
+  const double alone = math::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1));
   if (!(compliance_m_per_n > 0))
     return alone;
   // The stored work is convex in x and its slope is the force, so Newton's method from above
@@ -72,9 +73,9 @@ double ImpactLaw::deepest(double work_j) const noexcept {
 
 double ImpactLaw::duration(double mass_kg, double speed_m_per_s) const noexcept {
   const double b = 1 / (exponent + 1);
-  const double integral = std::sqrt(std::numbers::pi) * std::tgamma(1 + b) / std::tgamma(0.5 + b);
+  const double integral = std::sqrt(std::numbers::pi) * math::tgamma(1 + b) / math::tgamma(0.5 + b);
   const double energy = 0.5 * mass_kg * speed_m_per_s * speed_m_per_s;
-  const double deepest = std::pow((exponent + 1) * energy / stiffness, b);
+  const double deepest = math::pow((exponent + 1) * energy / stiffness, b);
   return 2 * deepest / speed_m_per_s * integral;
 }
 
@@ -90,16 +91,16 @@ double restitution(double y) noexcept {
     return y > 0 ? 1 - y * (2.0 / 3 - y * (4.0 / 9)) : 1.0;
   // With t = -ln(1 - e y) the equation is t - 1 + exp(-t) = y - ln(1 + y). Its left side grows and
   // bends upwards, so Newton's method from above comes down to the root without passing it.
-  const double kept = y - std::log1p(y);
+  const double kept = y - math::log1p(y);
   double t = kept + std::sqrt(2 * kept);
   for (int iteration = 0; iteration < 60; ++iteration) {
-    const double slope = -std::expm1(-t); // 1 - exp(-t)
+    const double slope = -math::expm1(-t); // 1 - exp(-t)
     const double step = (t - slope - kept) / slope;
     t -= step;
     if (!(std::abs(step) > 1e-14 * t))
       break;
   }
-  return -std::expm1(-t) / y;
+  return -math::expm1(-t) / y;
 }
 
 double dissipation_for(double restitution, double speed_m_per_s) noexcept {
@@ -111,7 +112,7 @@ double dissipation_for(double restitution, double speed_m_per_s) noexcept {
   double low = 1e-9, high = (1 - 1e-12) / e;
   for (int iteration = 0; iteration < 100; ++iteration) {
     const double y = 0.5 * (low + high);
-    (std::log((1 + y) / (1 - e * y)) < y * (1 + e) ? low : high) = y;
+    (math::log((1 + y) / (1 - e * y)) < y * (1 + e) ? low : high) = y;
   }
   return 0.5 * (low + high) / speed_m_per_s;
 }
@@ -124,7 +125,7 @@ void Impact::set(const ImpactLaw& law) noexcept {
   psi_scale_ = std::sqrt(2 * k / (a + 1));
   loss_scale_ = k * law_.dissipation_s_per_m;
   rate_power_ = Power((a - 1) / (a + 1));
-  rate_scale_ = a * k * std::pow((a + 1) / k, (a - 1) / (a + 1));
+  rate_scale_ = a * k * math::pow((a + 1) / k, (a - 1) / (a + 1));
 }
 
 Impact::ElasticState Impact::relax(double x) noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/contact/elementary.hpp"
+#include "core/contact/power.hpp"
+#include "core/dsp/elementary.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +36,7 @@ struct ImpactLaw {
   [[nodiscard]] double force(double penetration_m, double velocity_m_per_s) const noexcept;
   /// Penetration under a constant force, m: d + C F.
   [[nodiscard]] double penetration(double force_n) const noexcept {
-    return force_n > 0 ? std::pow(force_n / stiffness, 1 / exponent) + compliance_m_per_n * force_n
+    return force_n > 0 ? math::pow(force_n / stiffness, 1 / exponent) + compliance_m_per_n * force_n
                        : 0.0;
   }
   /// Work stored by an elastic penetration, J: k d^(a+1)/(a+1) + C F^2/2.

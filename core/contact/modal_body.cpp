@@ -1,10 +1,10 @@
 #include "core/contact/modal_body.hpp"
 
-#include "core/contact/elementary.hpp"
+#include "core/contact/power.hpp"
+#include "core/dsp/complex.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace tactus::contact {
@@ -19,19 +19,19 @@ constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
 
 /// P - 1 = e^(s h) - 1 and B = (P - 1)/s.
 struct Step {
-  std::complex<double> change, response;
+  Complex change, response;
 };
-Step step_of(std::complex<double> rate, double h) noexcept {
-  const std::complex<double> x = rate * h;
-  if (std::abs(x) < 0.1) { // (e^x - 1)/x = sum of x^n/(n + 1)!, without cancellation
-    std::complex<double> sum = 0;
+Step step_of(Complex rate, double h) noexcept {
+  const Complex x = rate * h;
+  if (math::abs(x) < 0.1) { // (e^x - 1)/x = sum of x^n/(n + 1)!, without cancellation
+    Complex sum = 0;
     for (int n = 10; n >= 0; --n)
       sum = 1.0 + x / static_cast<double>(n + 2) * sum;
     return {x * sum, h * sum};
   }
-  const double radius = std::exp(x.real()), sine = std::sin(0.5 * x.imag());
-  const std::complex<double> change{std::expm1(x.real()) - 2 * radius * sine * sine,
-                                    radius * std::sin(x.imag())};
+  const double radius = math::exp(x.real()), sine = math::sin(0.5 * x.imag());
+  const Complex change{math::expm1(x.real()) - 2 * radius * sine * sine,
+                       radius * math::sin(x.imag())};
   return {change, change / rate};
 }
 

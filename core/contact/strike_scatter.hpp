@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/random.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ struct StrikeScatter {
     };
     const double point = variation * std::min(kPointShare * extent_m, kLargestPointSpread);
     StrikeScatter scatter;
-    scatter.speed_factor = std::exp(variation * kSpeedSpread * within_two());
+    scatter.speed_factor = math::exp(variation * kSpeedSpread * within_two());
     for (std::size_t axis = 0; axis < 2; ++axis) {
       scatter.tilt_rad[axis] = variation * kAngleSpread * within_two();
       scatter.offset_m[axis] = point * within_two();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -52,7 +54,7 @@ public:
       const double b = 2.0 * uniform() - 1.0;
       const double square = a * a + b * b;
       if (square > 0.0 && square < 1.0) {
-        const double scale = std::sqrt(-2.0 * std::log(square) / square);
+        const double scale = std::sqrt(-2.0 * math::log(square) / square);
         spare_ = b * scale;
         has_spare_ = true;
         return a * scale;

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cmath>
+#include "core/dsp/elementary.hpp"
+
 #include <numbers>
 
 namespace tactus {
@@ -44,8 +45,8 @@ private:
       age_ = -1;
       return 0;
     }
-    const double window = 0.5 + 0.5 * std::cos(std::numbers::pi * n / length_);
-    return jump_ * window + (n > 0 ? bend_ * n * std::exp(-n / slope_) : 0);
+    const double window = 0.5 + 0.5 * math::cos(std::numbers::pi * n / length_);
+    return jump_ * window + (n > 0 ? bend_ * n * math::exp(-n / slope_) : 0);
   }
 
   double length_ = 240, slope_ = 24; // samples

@@ -1,5 +1,6 @@
 #include "core/footstep/creaking_boards.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/footstep/floor_modes.hpp"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ CreakingBoards::CreakingBoards() : body_(kModes + kJoint, 1, 1) {}
 void CreakingBoards::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   body_.prepare(sample_rate);
-  wobble_pole_ = std::exp(-1 / (kWobbleTime * sample_rate));
+  wobble_pole_ = math::exp(-1 / (kWobbleTime * sample_rate));
   unloading_ = 1 / (kUnloadingTime * sample_rate);
 }
 

@@ -1,8 +1,9 @@
 #include "core/footstep/drive.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace tactus::footstep {
@@ -39,12 +40,12 @@ Signal filtered(const Section& c, State& state, Signal x) noexcept {
 void HapticBand::prepare(double sample_rate) noexcept {
   const auto bilinear = [sample_rate](double edge_hz, double n2, double n0, double d2, double d1,
                                       double d0) {
-    const double k = std::tan(pi * std::min(edge_hz / sample_rate, 0.45)), k2 = k * k;
+    const double k = math::tan(pi * std::min(edge_hz / sample_rate, 0.45)), k2 = k * k;
     const double norm = 1 / (d2 + d1 * k + d0 * k2);
     return Section{(n2 + n0 * k2) * norm, 2 * (n0 * k2 - n2) * norm, (n2 + n0 * k2) * norm,
                    2 * (d0 * k2 - d2) * norm, (d2 - d1 * k + d0 * k2) * norm};
   };
-  dc_coefficient_ = 1 - std::exp(-2 * pi * kDcCutoffHz / sample_rate);
+  dc_coefficient_ = 1 - math::exp(-2 * pi * kDcCutoffHz / sample_rate);
   std::size_t i = 0;
   for (const Pair& p : kFourth) // low-pass to high-pass: s becomes 1/s
     section_[i++] = bilinear(kLowEdgeHz, p.pole_squared, p.pole_squared / (p.zero * p.zero),
@@ -99,10 +100,10 @@ void ActuatorEqualiser::compute_coefficients() noexcept {
   std::array<double, kMaxFilters> gain_db = target_db_;
   const auto peaking = [&](std::size_t i) { // Bristow-Johnson's peaking filter
     const double w = 2 * pi * std::min(frequency_hz_[i] / sample_rate_, 0.45);
-    const double a = std::pow(10.0, gain_db[i] / 40), alpha = std::sin(w) / (2 * kQuality);
+    const double a = math::exp10(gain_db[i] / 40), alpha = math::sin(w) / (2 * kQuality);
     const double norm = 1 / (1 + alpha / a);
-    section_[i] = {(1 + alpha * a) * norm, -2 * std::cos(w) * norm, (1 - alpha * a) * norm,
-                   -2 * std::cos(w) * norm, (1 - alpha / a) * norm};
+    section_[i] = {(1 + alpha * a) * norm, -2 * math::cos(w) * norm, (1 - alpha * a) * norm,
+                   -2 * math::cos(w) * norm, (1 - alpha / a) * norm};
   };
   for (std::size_t i = 0; i < count_; ++i)
     peaking(i);
@@ -111,12 +112,12 @@ void ActuatorEqualiser::compute_coefficients() noexcept {
   for (int round = 0; round < kRounds; ++round) {
     std::array<double, kMaxFilters> missing{};
     for (std::size_t i = 0; i < count_; ++i) {
-      const auto z = std::polar(1.0, -2 * pi * frequency_hz_[i] / sample_rate_);
+      const auto z = math::polar(1.0, -2 * pi * frequency_hz_[i] / sample_rate_);
       double db = 0;
       for (std::size_t k = 0; k < count_; ++k) {
         const Section& c = section_[k];
-        db += 20 *
-              std::log10(std::abs((c.b0 + z * (c.b1 + z * c.b2)) / (1.0 + z * (c.a1 + z * c.a2))));
+        db += 20 * math::log10(
+                       math::abs((c.b0 + z * (c.b1 + z * c.b2)) / (1.0 + z * (c.a1 + z * c.a2))));
       }
       missing[i] = target_db_[i] - db;
     }
@@ -134,7 +135,7 @@ double ActuatorEqualiser::next(double x) noexcept {
 }
 
 void PeakLimit::prepare(double sample_rate) noexcept {
-  recover_ = 1 - std::exp(-1 / (0.05 * sample_rate));
+  recover_ = 1 - math::exp(-1 / (0.05 * sample_rate));
 }
 
 double PeakLimit::next(double x, double limit) noexcept {

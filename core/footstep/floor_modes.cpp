@@ -1,5 +1,7 @@
 #include "core/footstep/floor_modes.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 namespace tactus::footstep {
 
 void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
@@ -13,10 +15,10 @@ void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
       std::min({static_cast<std::size_t>(modes.count), detune.size(), kMaxModes - first});
   double step = 1;
   for (std::size_t i = 0; i < count; ++i) {
-    const double relative = step * std::exp(modes.detune * detune[i]);
+    const double relative = step * math::exp(modes.detune * detune[i]);
     tuned[first + i] = {modes.frequency_hz * frequency * relative,
-                        modes.t60_s * decay * std::pow(relative, -modes.t60_tilt), modes.mass_kg};
-    pickup[first + i] = std::pow(relative, -modes.tilt) * std::pow(10.0, modes.gains_db[i] / 20);
+                        modes.t60_s * decay * math::pow(relative, -modes.t60_tilt), modes.mass_kg};
+    pickup[first + i] = math::pow(relative, -modes.tilt) * math::exp10(modes.gains_db[i] / 20);
     step *= modes.ratio;
   }
   body.set_modes(std::span(tuned.data(), first + count));

@@ -1,19 +1,19 @@
 #pragma once
 
 #include "core/contact/excited_body.hpp"
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/random.hpp"
 #include "core/footstep/recipe.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 namespace tactus::footstep {
 
 /// A random factor exp(deviation * x), x normal and clamped to +-2.5: variation from step to step.
 [[nodiscard]] inline double lognormal_factor(double deviation, Random& random) noexcept {
-  return std::exp(deviation * std::clamp(random.normal(), -2.5, 2.5));
+  return math::exp(deviation * std::clamp(random.normal(), -2.5, 2.5));
 }
 
 /// Sets the modes of a body to `before` followed by the modes of a recipe, and the body's pickup 0

@@ -1,5 +1,7 @@
 #include "core/footstep/foot.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,8 +26,8 @@ void Foot::prepare(double sample_rate) {
     slot.ground.prepare(sample_rate);
   drive_.prepare(sample_rate);
   room_.prepare(sample_rate);
-  glide_coefficient_ = 1 - std::exp(-1 / (kMixTime * sample_rate));
-  leave_coefficient_ = 1 - std::exp(-1 / (kLeaveTime * sample_rate));
+  glide_coefficient_ = 1 - math::exp(-1 / (kMixTime * sample_rate));
+  leave_coefficient_ = 1 - math::exp(-1 / (kLeaveTime * sample_rate));
   cut_step_ = 1 / (kCutTime * sample_rate);
 }
 
@@ -91,7 +93,7 @@ Foot::GroundSlot* Foot::acquire_slot(std::uint64_t id, const Recipe& recipe,
   slot_taken->recipe = recipe;
   slot_taken->id = id;
   slot_taken->reverb_send =
-      recipe.room.level_db > Room::kMinLevel ? std::pow(10.0, recipe.room.level_db / 20) : 0;
+      recipe.room.level_db > Room::kMinLevel ? math::exp10(recipe.room.level_db / 20) : 0;
   slot_taken->gain = 0;
   return slot_taken;
 }
@@ -125,15 +127,15 @@ void Foot::set_mix(double mix) noexcept {
     return update_room();
   }
   // The sounds of two grounds are uncorrelated: the squares of their gains sum to 1.
-  a_->target = mix_ >= 1 ? 0 : std::cos(0.5 * std::numbers::pi * mix_);
-  b_->target = mix_ <= 0 ? 0 : std::sin(0.5 * std::numbers::pi * mix_);
+  a_->target = mix_ >= 1 ? 0 : math::cos(0.5 * std::numbers::pi * mix_);
+  b_->target = mix_ <= 0 ? 0 : math::sin(0.5 * std::numbers::pi * mix_);
   update_room();
 }
 
 /// Interpolates between the rooms of two grounds. The reverb send stays that of each ground.
 void Foot::update_room() noexcept {
   const Room::Settings &a = a_->recipe.room, &b = b_->recipe.room;
-  const auto between = [this](double x, double y) { return x * std::pow(y / x, mix_); };
+  const auto between = [this](double x, double y) { return x * math::pow(y / x, mix_); };
   // If only one ground has a room, its settings are used.
   if (a_->reverb_send == 0 || b_->reverb_send == 0) {
     const Room::Settings& active_settings = a_->reverb_send > 0 ? a : b;

@@ -1,7 +1,8 @@
 #include "core/footstep/footfall.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tactus::footstep {
@@ -29,9 +30,9 @@ double Footfall::Impact::force(double since_s) const noexcept {
     return 0;
   double force = 0;
   if (since_s < Landing::kImpactTime)
-    force = peak_n * std::sin(std::numbers::pi * since_s / Landing::kImpactTime);
+    force = peak_n * math::sin(std::numbers::pi * since_s / Landing::kImpactTime);
   if (bell_n > 0 && since_s < bell_s) {
-    const double sine = std::sin(std::numbers::pi * since_s / bell_s);
+    const double sine = math::sin(std::numbers::pi * since_s / bell_s);
     force += bell_n * sine * sine;
   }
   return force;

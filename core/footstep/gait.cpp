@@ -1,5 +1,7 @@
 #include "core/footstep/gait.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -46,7 +48,7 @@ void Gait::reset() noexcept {
 
 double Gait::varied(double times) noexcept {
   // Limited to a factor of four.
-  return std::exp(std::clamp(times * variation_ * random_.normal(), -kMaxLog, kMaxLog));
+  return math::exp(std::clamp(times * variation_ * random_.normal(), -kMaxLog, kMaxLog));
 }
 
 double Gait::swing_s() const noexcept { return reaction_.stride_s() - reaction_.stance_s(); }

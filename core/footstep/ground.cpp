@@ -1,5 +1,6 @@
 #include "core/footstep/ground.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/footstep/floor_modes.hpp"
 #include "core/footstep/shoe.hpp"
 
@@ -69,7 +70,7 @@ void Ground::reset() noexcept {
 void Ground::set(const Recipe& recipe, double shoe) noexcept {
   recipe_ = recipe;
   shoe_ = std::clamp(shoe, 0.0, 1.0);
-  const double g = std::tan(std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45));
+  const double g = math::tan(std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45));
   radiation_gain_ = g / (1 + g);
   sole_factor_ = 1;
   if (recipe.solid.present) {
@@ -83,7 +84,8 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
     const auto stiffness = [&](double hardness) {
       return in_series(floor, sole_law(hardness, floor.exponent)).stiffness;
     };
-    sole_factor_ = std::pow(stiffness(shoe_) / stiffness(kReferenceShoe), 1 / (floor.exponent + 1));
+    sole_factor_ =
+        math::pow(stiffness(shoe_) / stiffness(kReferenceShoe), 1 / (floor.exponent + 1));
   }
   if (recipe.friction.present) {
     boards_.set(recipe.friction);

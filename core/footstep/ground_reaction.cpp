@@ -1,5 +1,7 @@
 #include "core/footstep/ground_reaction.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -164,7 +166,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
   const double speed = std::clamp(finite(walker.speed_m_per_s, kDefaultSpeed),
                                   run ? kMinRun : kMinWalk, run ? kMaxRun : kMaxWalk);
   const double shoe = std::clamp(finite(walker.shoe, Walker{}.shoe), 0.0, 1.0);
-  const double pace = std::pow(speed / kDefaultSpeed, 0.8);
+  const double pace = math::pow(speed / kDefaultSpeed, 0.8);
   const double walking_cadence = std::clamp(100 + 27.8 * (speed - 1), 70.0, 145.0); // steps / min
 
   transient_ = 0;
@@ -215,9 +217,9 @@ double GroundReaction::force(double x) const noexcept {
   };
   for (const Landing* landing : {&heel_, &ball_})
     if (const double u = within(landing->at, Landing::kImpactTime); u > 0 && u < 1)
-      weights += landing->peak(landing->speed_m_per_s) * std::sin(pi * u);
+      weights += landing->peak(landing->speed_m_per_s) * math::sin(pi * u);
   if (const double u = within(heel_.at, kTransientTime); transient_ > 0 && u < 1) {
-    const double sine = std::sin(pi * u);
+    const double sine = math::sin(pi * u);
     weights += transient_ * sine * sine;
   }
   return weight_n_ * weights;

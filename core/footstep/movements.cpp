@@ -1,5 +1,7 @@
 #include "core/footstep/movements.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -198,7 +200,7 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double highest = 1 + 5.5 * std::sqrt(height); // load of both feet, body weights
   const double legs = std::min(2.0, highest);
   const double ball = 2 * Landing{0, speed, kBallMass}.peak(speed); // force on both feet
-  const double at_heel = 0.5 * (1 - std::cos(pi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
+  const double at_heel = 0.5 * (1 - math::cos(pi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
   const double heel = std::max(0.0, highest - legs * at_heel);
   const double impulse = speed / kGravity - ball * 2 / pi * Landing::kImpactTime -
                          heel * 0.5 * kHeelTime - (0.5 * legs - 1) * kLegsRise;

@@ -1,5 +1,7 @@
 #include "core/footstep/room.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,7 +22,7 @@ double clamped(double value, double lowest, double highest) noexcept {
 /// Pole of the one-pole low-pass that has gain 1 at 0 Hz and the given gain at w rad per sample.
 double pole_for(double gain, double w) noexcept {
   const double square = gain * gain;
-  const double b = (1 - square * std::cos(w)) / (1 - square);
+  const double b = (1 - square * math::cos(w)) / (1 - square);
   return b - std::sqrt(b * b - 1);
 }
 
@@ -47,14 +49,14 @@ void Room::set(const Settings& settings) noexcept {
       2 * std::numbers::pi * clamped(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
   double mean = 0; // mean of the gains' squares
   for (std::size_t i = 0; i < kLines; ++i) {
-    gain_[i] = std::pow(10.0, -3 * kDelays[i] / t60);
+    gain_[i] = math::exp10(-3 * kDelays[i] / t60);
     pole_[i] = pole_for(gain_[i], w);
     mean += gain_[i] * gain_[i] / kLines;
   }
   // Each pass of an impulse through the delays leaves the share `mean` of its energy, so the output
   // energy is mean + mean^2 + ...
   const double level_db = clamped(settings.level_db, kMinLevel, 40);
-  level_ = level_db > kMinLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;
+  level_ = level_db > kMinLevel ? std::sqrt(math::exp10(level_db / 10) * (1 - mean) / mean) : 0;
   ring_out_samples_ = static_cast<long>(kRingOutFactor * t60 * sample_rate_);
 }
 

@@ -1,5 +1,7 @@
 #include "core/footstep/sole_sensor.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -79,17 +81,17 @@ double Calibration::force(double reading) const noexcept {
 
 void SoleChannel::prepare(double sample_rate) {
   rate_ = sample_rate;
-  const double k = std::tan(std::numbers::pi * std::min(kLowPassHz / sample_rate, 0.45));
+  const double k = math::tan(std::numbers::pi * std::min(kLowPassHz / sample_rate, 0.45));
   const double norm = 1 / (1 + std::numbers::sqrt2 * k + k * k);
   b0_ = k * k * norm;
   b1_ = 2 * b0_;
   b2_ = b0_;
   a1_ = 2 * (k * k - 1) * norm;
   a2_ = (1 - std::numbers::sqrt2 * k + k * k) * norm;
-  swing_coefficient_ = 1 - std::exp(-1 / (kSwingTimeConstant * sample_rate));
-  fast_coefficient_ = 1 - std::exp(-1 / (kFastTimeConstant * sample_rate));
-  floor_coefficient_ = 1 - std::exp(-1 / (kFloor * sample_rate));
-  noise_coefficient_ = 1 - std::exp(-1 / (kNoise * sample_rate));
+  swing_coefficient_ = 1 - math::exp(-1 / (kSwingTimeConstant * sample_rate));
+  fast_coefficient_ = 1 - math::exp(-1 / (kFastTimeConstant * sample_rate));
+  floor_coefficient_ = 1 - math::exp(-1 / (kFloor * sample_rate));
+  noise_coefficient_ = 1 - math::exp(-1 / (kNoise * sample_rate));
   const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kSlopeTime * sample_rate)));
   if (length != window_.size()) {
     window_.assign(length, force_);
@@ -243,7 +245,7 @@ bool SoleSensor::lands(Region& region, const Region& other, double& landing) noe
   const TypicalLanding& typical = other.down          ? kSecondRegion
                                   : &region == &heel_ ? kHeelLanding
                                                       : kBallLanding;
-  landing = typical.speed * std::pow(slope / typical.slope, 1 / kStiffening);
+  landing = typical.speed * math::pow(slope / typical.slope, 1 / kStiffening);
   landing = std::clamp(landing, kMinSensedSpeed, kMaxSensedSpeed);
   return true;
 }

@@ -1,11 +1,11 @@
 #include "core/footstep/struck_floor.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/footstep/floor_modes.hpp"
 #include "core/footstep/shoe.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace tactus::footstep {
 namespace {
@@ -31,7 +31,7 @@ StruckFloor::StruckFloor() : body_(kMaxModes, kMaxPatches + 1, 1) {}
 
 void StruckFloor::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
-  normal_force_decay_ = std::exp(-1 / (kHoldingTime * sample_rate));
+  normal_force_decay_ = math::exp(-1 / (kHoldingTime * sample_rate));
   body_.prepare(sample_rate);
 }
 
@@ -82,7 +82,7 @@ void StruckFloor::land(const SolidRecipe& solid, double mass_kg, double speed_m_
       body_.launch_mass(i, 0, speed_m_per_s);
       continue;
     }
-    const double height = -solid.unevenness_m * std::log(1 - random_.uniform());
+    const double height = -solid.unevenness_m * math::log(1 - random_.uniform());
     const double speed = speed_m_per_s * lognormal_factor(kSpeedDeviation, random_);
     body_.launch_mass(i, height, speed);
     last = std::max(last, std::min(height / speed, kMaxArrivalTime));

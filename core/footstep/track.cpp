@@ -1,6 +1,7 @@
 #include "core/footstep/track.hpp"
 
-#include <cmath>
+#include "core/dsp/elementary.hpp"
+
 #include <numbers>
 
 namespace tactus::footstep {
@@ -42,13 +43,13 @@ double Track::value(const Piece& piece, double time_s) noexcept {
   const double left = (piece.end_s - time_s) / piece.duration_s;
   if (piece.from != piece.to) {
     const bool rises = piece.to > piece.from;
-    const double sine = std::sin(0.5 * pi * (rises ? 1 - left : left));
+    const double sine = math::sin(0.5 * pi * (rises ? 1 - left : left));
     const double part = sine * (piece.sine_share + (1 - piece.sine_share) * sine);
     value = rises ? piece.from + (piece.to - piece.from) * part
                   : piece.to + (piece.from - piece.to) * part;
   }
   if (piece.hump != 0) {
-    const double sine = std::sin(pi * left);
+    const double sine = math::sin(pi * left);
     value += piece.hump * sine * sine;
   }
   return value;

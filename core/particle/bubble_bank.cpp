@@ -1,5 +1,7 @@
 #include "core/particle/bubble_bank.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -32,7 +34,7 @@ void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept 
   const double chirp_angle = 2 * std::numbers::pi * frequency * chirp * step_s * step_s;
   // phase(n) = w n + chirp_angle n^2 / 2, so the first rotation is by w + chirp_angle / 2.
   const double first_angle = 2 * std::numbers::pi * frequency * step_s + 0.5 * chirp_angle;
-  const double decay_factor = std::exp(-decay * step_s);
+  const double decay_factor = math::exp(-decay * step_s);
   double life_s = 6.9 / decay; // 60 dB
   if (chirp > 0)               // the bubble ends before its frequency reaches 0.48 of the sample
                                // rate
@@ -46,10 +48,10 @@ void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept 
                         chirp * step_s,
                         decay / angular,
                         chirp / angular,
-                        decay_factor * std::cos(first_angle),
-                        decay_factor * std::sin(first_angle),
-                        std::cos(chirp_angle),
-                        std::sin(chirp_angle),
+                        decay_factor * math::cos(first_angle),
+                        decay_factor * math::sin(first_angle),
+                        math::cos(chirp_angle),
+                        math::sin(chirp_angle),
                         static_cast<long>(life_s * sample_rate_)};
 }
 

@@ -1,5 +1,6 @@
 #include "core/particle/cloud.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/particle/cloud_rows.hpp"
 
 #include <algorithm>
@@ -70,8 +71,8 @@ void Cloud::event() noexcept {
   impulse_ += normalisation_ * size;
   impulse_squared_ += normalisation_ * normalisation_ * size * size;
   const double frequency = settings_.frequency_hz * frequency_factor_ *
-                           std::exp(settings_.spread * random_.normal()) *
-                           std::pow(energy, -settings_.lower_by_size);
+                           math::exp(settings_.spread * random_.normal()) *
+                           math::pow(energy, -settings_.lower_by_size);
   if (settings_.kind == CloudSettings::Kind::kBubbles) {
     // A tone a exp(-d t) sin has the energy a^2 / (4 d); as loud as a grain of that strength.
     const double radius = 3 / std::clamp(frequency, 20.0, 20000.0);
@@ -79,8 +80,8 @@ void Cloud::event() noexcept {
     bubbles_.start(radius, amplitude, settings_.rise);
     return;
   }
-  grains_.start({frequency, settings_.quality * std::exp(0.2 * random_.normal()),
-                 settings_.length_s * std::exp(0.4 * random_.normal()), strength},
+  grains_.start({frequency, settings_.quality * math::exp(0.2 * random_.normal()),
+                 settings_.length_s * math::exp(0.4 * random_.normal()), strength},
                 random_);
 }
 

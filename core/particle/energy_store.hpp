@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
-#include <cmath>
 
 namespace tactus::particle {
 
@@ -18,8 +19,8 @@ public:
     attack_s_ = std::clamp(attack_s, 1e-5, 60.0);
     decay_s_ = std::clamp(decay_s, 1e-5, 60.0);
     const double step_s = 1 / sample_rate;
-    decay_factor_ = std::exp(-step_s / decay_s_);
-    attack_factor_ = std::exp(-step_s / attack_s_);
+    decay_factor_ = math::exp(-step_s / decay_s_);
+    attack_factor_ = math::exp(-step_s / attack_s_);
     release_rate_ = (1 - attack_factor_) * sample_rate;
     energy_per_power_ = decay_s_ * (1 - decay_factor_);
   }

@@ -1,5 +1,7 @@
 #include "core/particle/grain_bank.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,8 +27,8 @@ void GrainBank::start(const Grain& grain, Random& random) noexcept {
   const double quality = std::clamp(grain.quality, 0.1, 200.0);
   const double length = std::clamp(grain.length_s, 1e-5, 2.0);
   const double w = 2 * std::numbers::pi * frequency / sample_rate_;
-  const double a = std::sin(w) / (2 * quality);
-  const double decay_factor = std::exp(-1 / (length * sample_rate_));
+  const double a = math::sin(w) / (2 * quality);
+  const double decay_factor = math::exp(-1 / (length * sample_rate_));
   const double noise_deviation =
       grain.strength * std::sqrt(sample_rate_ * (1 - decay_factor * decay_factor) * (1 + a) / a);
   // Standard deviation of a uniform 32-bit integer.
@@ -35,7 +37,7 @@ void GrainBank::start(const Grain& grain, Random& random) noexcept {
   envelope_[i] = noise_deviation / kIntegerDeviation;
   decay_factor_[i] = decay_factor;
   gain_[i] = a / (1 + a);
-  a1_[i] = -2 * std::cos(w) / (1 + a);
+  a1_[i] = -2 * math::cos(w) / (1 + a);
   a2_[i] = (1 - a) / (1 + a);
   x1_[i] = x2_[i] = y1_[i] = y2_[i] = 0;
   noise_[i] = static_cast<std::uint32_t>(random.next() >> 32) | 1U;

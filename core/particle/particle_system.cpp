@@ -1,5 +1,7 @@
 #include "core/particle/particle_system.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +15,7 @@ constexpr double kSmoothingS = 0.005;
 
 void ParticleSystem::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
-  smoothing_step_ = 1 - std::exp(-1 / (kSmoothingS * sample_rate));
+  smoothing_step_ = 1 - math::exp(-1 / (kSmoothingS * sample_rate));
   fade_samples_ = std::max(1, static_cast<int>(kSmoothingS * sample_rate));
   fade_left_ = std::min(fade_left_, fade_samples_);
   cloud_.prepare(sample_rate);

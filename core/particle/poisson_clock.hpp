@@ -1,8 +1,7 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/random.hpp"
-
-#include <cmath>
 
 namespace tactus::particle {
 
@@ -44,7 +43,7 @@ public:
   }
 
   /// Exponentially distributed number with mean 1.
-  static double exponential(Random& random) noexcept { return -std::log1p(-random.uniform()); }
+  static double exponential(Random& random) noexcept { return -math::log1p(-random.uniform()); }
 
 private:
   double time_to_event_ = 0; ///< integral of the rate until the next event

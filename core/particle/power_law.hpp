@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/random.hpp"
 
 #include <algorithm>
@@ -18,19 +19,19 @@ public:
   void set(double exponent, double largest) noexcept {
     exponent_ = std::clamp(exponent, 0.05, 20.0);
     largest_ = std::clamp(largest, 1.001, 1e9);
-    truncated_mass_ = 1 - std::pow(largest_, -exponent_);
+    truncated_mass_ = 1 - math::pow(largest_, -exponent_);
   }
 
   /// An energy, by inversion of the distribution function.
   [[nodiscard]] double draw(Random& random) const noexcept {
-    return std::min(std::pow(1 - random.uniform() * truncated_mass_, -1 / exponent_), largest_);
+    return std::min(math::pow(1 - random.uniform() * truncated_mass_, -1 / exponent_), largest_);
   }
 
   /// Expectation of the energy.
   [[nodiscard]] double mean() const noexcept {
     if (std::abs(exponent_ - 1) < 1e-9)
-      return std::log(largest_) / truncated_mass_;
-    return exponent_ / truncated_mass_ * (1 - std::pow(largest_, 1 - exponent_)) / (exponent_ - 1);
+      return math::log(largest_) / truncated_mass_;
+    return exponent_ / truncated_mass_ * (1 - math::pow(largest_, 1 - exponent_)) / (exponent_ - 1);
   }
 
 private:

@@ -1,5 +1,7 @@
 #include "core/particle/ringing_body.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,11 +27,11 @@ void RingingBody::update() noexcept {
   onset_.fill(0);
   for (std::size_t i = 0; i < count_; ++i) {
     const RingingMode& mode = modes_[i];
-    const double d = std::log(1000.0) / std::clamp(mode.t60_s, 1e-4, 1e3);
+    const double d = math::log(1000.0) / std::clamp(mode.t60_s, 1e-4, 1e3);
     const double w = 2 * std::numbers::pi * std::max(mode.frequency_hz, 1.0);
-    const double decay_factor = std::exp(-d / sample_rate_);
-    pole_real_[i] = decay_factor * std::cos(w / sample_rate_);
-    pole_imaginary_[i] = decay_factor * std::sin(w / sample_rate_);
+    const double decay_factor = math::exp(-d / sample_rate_);
+    pole_real_[i] = decay_factor * math::cos(w / sample_rate_);
+    pole_imaginary_[i] = decay_factor * math::sin(w / sample_rate_);
     if (mode.frequency_hz < 0.45 * sample_rate_)
       onset_[i] = mode.gain * std::sqrt(4 * d * (w * w + d * d)) / w;
   }

@@ -1,5 +1,7 @@
 #include "core/particle/rustle.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -17,12 +19,12 @@ constexpr double kIntegerDeviation = 4294967296.0 / 3.4641016151377546;
 void Rustle::set(double frequency_hz, double spread, double quality) noexcept {
   for (std::size_t i = 0; i < kBands; ++i) {
     const double frequency =
-        std::clamp(frequency_hz * std::exp(spread * kQuantiles[i]), 10.0, 0.45 * sample_rate_);
+        std::clamp(frequency_hz * math::exp(spread * kQuantiles[i]), 10.0, 0.45 * sample_rate_);
     const double w = 2 * std::numbers::pi * frequency / sample_rate_;
-    const double a = std::sin(w) / (2 * quality);
+    const double a = math::sin(w) / (2 * quality);
     // The bilinear band-pass passes a / (1 + a) of the variance of white noise.
     gain_[i] = a / (1 + a) * std::sqrt((1 + a) / a / kBands) / kIntegerDeviation;
-    a1_[i] = -2 * std::cos(w) / (1 + a);
+    a1_[i] = -2 * math::cos(w) / (1 + a);
     a2_[i] = (1 - a) / (1 + a);
   }
 }

@@ -1,5 +1,7 @@
 #include "core/stress/stress_model.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <cmath>
 #include <utility>
 
@@ -147,7 +149,7 @@ const Feedback& StressModel::update(std::span<const double> displacement_m) noex
     const bool fixed = settings_.range == Range::kFixed;
     feedback_.raw[axis] = of(found).sum * share();
     if (settings_.mapping == Mapping::kMean && settings_.power > 1)
-      feedback_.raw[axis] = scale_pa_ * std::pow(found.power.sum * share(), 1.0 / settings_.power);
+      feedback_.raw[axis] = scale_pa_ * math::pow(found.power.sum * share(), 1.0 / settings_.power);
     feedback_.min[axis] = fixed ? settings_.fixed_min : range.min;
     feedback_.max[axis] = fixed ? settings_.fixed_max : range.max;
     feedback_.gamma[axis] = gamma_of(feedback_.raw[axis], feedback_.min[axis], feedback_.max[axis]);

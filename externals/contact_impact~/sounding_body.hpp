@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact/excited_body.hpp"
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/seam.hpp"
 #include "core/dsp/soft_clip.hpp"
 #include "core/object.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -48,7 +48,7 @@ public:
   void prepare(double sample_rate) {
     ExcitedBody::prepare(sample_rate);
     seam_.prepare(sample_rate);
-    smoothing_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
+    smoothing_ = 1 - math::exp(-1 / (kGainTime * sample_rate));
   }
   void reset() noexcept {
     ExcitedBody::reset();

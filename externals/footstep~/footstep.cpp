@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/dsp/elementary.hpp"
 #include "core/refusal.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
@@ -54,7 +55,7 @@ void Footstep::prepare(double sample_rate, std::size_t) {
     side.foot.prepare(sample_rate);
     side.sensor.prepare(sample_rate);
   }
-  smoothed_gain_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
+  smoothed_gain_ = 1 - math::exp(-1 / (kGainTime * sample_rate));
   fade_.whole = kFadeTime * sample_rate;
   apply();
 }
@@ -248,13 +249,13 @@ double Footstep::second_foot_share(bool on) noexcept {
   }
   if (second_foot_ == 0 || second_foot_ == 1)
     return second_foot_;
-  return 0.5 - 0.5 * std::cos(std::numbers::pi * second_foot_);
+  return 0.5 - 0.5 * math::cos(std::numbers::pi * second_foot_);
 }
 
 /// After a reset the last output fades to 0 along half a cosine; forces jump to 0.
 void Footstep::fade(std::array<double, 8>& out) noexcept {
   const double part =
-      0.5 - 0.5 * std::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);
+      0.5 - 0.5 * math::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);
   const double max_drive = std::min(settings_.limit_g / settings_.sensitivity_g, 1.0);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const double bound = i % 4 == 0 ? 1 : max_drive;

@@ -1,6 +1,7 @@
 #include "core/contact/friction_rows.hpp"
 #include "core/contact/strike_scatter.hpp"
 #include "core/declaration_text.hpp"
+#include "core/dsp/elementary.hpp"
 #include "core/modal/table/materials.hpp"
 #include "core/refusal.hpp"
 #include "core/sentence.hpp"
@@ -139,8 +140,8 @@ Hit ModalImpact::varied(Hit hit) noexcept {
   if (surface.empty())
     return hit;
   hit.point = model.nearest(size * hit.point.position + across(hit.point.normal, scatter.offset_m));
-  hit.direction = hit.direction + across(hit.direction, {std::tan(scatter.tilt_rad[0]),
-                                                         std::tan(scatter.tilt_rad[1])});
+  hit.direction = hit.direction + across(hit.direction, {math::tan(scatter.tilt_rad[0]),
+                                                         math::tan(scatter.tilt_rad[1])});
   hit.direction = hit.direction * (1 / norm(hit.direction));
   return hit;
 }

@@ -273,7 +273,7 @@ void ModalImpact::post_info(Host& host) {
   constexpr std::size_t kMaxListed = 128;
   std::vector<std::pair<double, double>> modes;
   for (std::size_t k = 0; k < model->audible_modes; ++k)
-    modes.emplace_back(std::abs(model->rate[k]) / (2 * std::numbers::pi),
+    modes.emplace_back(math::abs(model->rate[k]) / (2 * std::numbers::pi),
                        kNepersIn60dB / std::max(-model->rate[k].real(), 1e-9));
   std::sort(modes.begin(), modes.end());
   std::vector<Atom> frequencies{"frequencies"}, times{"t60"};

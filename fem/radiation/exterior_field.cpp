@@ -4,8 +4,8 @@
 #include <numbers>
 
 // LAPACK from OpenBLAS: LU with partial pivoting and its solve, column-major.
-extern "C" void zgesv_(const int* n, const int* columns, std::complex<double>* matrix,
-                       const int* leading, int* pivots, std::complex<double>* right,
+extern "C" void zgesv_(const int* n, const int* columns, tactus::Complex* matrix,
+                       const int* leading, int* pivots, tactus::Complex* right,
                        const int* leading_right, int* info);
 
 namespace tactus::fem {
@@ -188,7 +188,7 @@ Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vec
         density += kHatAtPoint[i][j] * mu[static_cast<std::size_t>(skin_.triangle[t][j])];
       const Vec3 offset = x - p.point[i];
       const double r = length(offset);
-      const Complex wave = std::polar(kOver4Pi * p.area / 3 / r, -k * r);
+      const Complex wave = math::polar(kOver4Pi * p.area / 3 / r, -k * r);
       sum += density * wave * (dot(offset, p.normal) / r * Complex(1 / r, k) + Complex(0, k));
     }
   }

@@ -1,12 +1,9 @@
 #pragma once
+#include "core/dsp/complex.hpp"
 #include "fem/radiation/acoustic_skin.hpp"
 #include "fem/radiation/panel_pairs.hpp"
 
-#include <complex>
-
 namespace tactus::fem {
-
-using Complex = std::complex<double>;
 
 /// The air around a vibrating closed surface, exp(+j omega t). Outside,
 ///

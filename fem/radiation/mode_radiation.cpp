@@ -50,11 +50,11 @@ double squared_normal_velocity(const AcousticSkin& skin, std::span<const Vec3> v
 std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   double all = 0;
   for (const Complex& x : c)
-    all += std::norm(x);
+    all += math::norm(x);
   double tail = 0;
   for (std::size_t l = highest; l > 0; --l) {
     for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
-      tail += std::norm(c[q]);
+      tail += math::norm(c[q]);
     if (tail > kTailPowerShare * all)
       return l;
   }
@@ -127,8 +127,9 @@ struct FoundWaves {
       const std::size_t terms = (degree[k] + 1) * (degree[k] + 1);
       for (std::size_t f = 0; f < frequencies; ++f)
         for (std::size_t q = 0; q < std::min(terms, coefficients[k][f].size()); ++q)
-          out.coefficients[f * total + static_cast<std::size_t>(out.offset[k]) + q] =
-              std::complex<float>(coefficients[k][f][q]);
+          out.coefficients[f * total + static_cast<std::size_t>(out.offset[k]) + q] = {
+              static_cast<float>(coefficients[k][f][q].real()),
+              static_cast<float>(coefficients[k][f][q].imag())};
     }
   }
 };

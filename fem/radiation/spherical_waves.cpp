@@ -132,7 +132,7 @@ std::vector<double> spherical_bessel(std::size_t highest, double x) {
 
 std::vector<Complex> spherical_hankel(std::size_t highest, double x) {
   std::vector<Complex> h(highest + 1);
-  const Complex wave = std::polar(1.0, -x);
+  const Complex wave = math::polar(1.0, -x);
   h[0] = Complex(0, 1) * wave / x;
   if (highest > 0)
     h[1] = wave * Complex(-1 / x, 1 / (x * x));
@@ -331,7 +331,7 @@ double radiated_power(std::span<const Complex> coefficients, double k, double re
   double sum = 0;
   for (std::size_t l = 0; l < degrees; ++l)
     for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
-      sum += std::norm(coefficients[q] / h[l]);
+      sum += math::norm(coefficients[q] / h[l]);
   return sum / (2 * air_density * sound_speed * k * k);
 }
 

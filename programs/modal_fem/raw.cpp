@@ -1,5 +1,6 @@
 #include "programs/modal_fem/raw.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "fem/io/text.hpp"
 #include "fem/radiation/acoustic_skin.hpp"
 
@@ -200,10 +201,10 @@ std::vector<float> modal_velocities(const BodyModel& model, const SurfacePoint& 
   std::vector<double> gain(model.mode.size());
   model.gains(at, at.normal, gain);
   for (std::size_t k = 0; k < modes; ++k) {
-    const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
+    const Complex s = model.rate[k], turn = math::exp(s * step);
     // z = q' + alpha q + j omega q; a force that is constant over a step adds b F (exp(sT) - 1)/s.
-    const std::complex<double> push = gain[k] * (turn - 1.0) / s;
-    std::complex<double> z = gain[k] * settings.impulse_n_s;
+    const Complex push = gain[k] * (turn - 1.0) / s;
+    Complex z = gain[k] * settings.impulse_n_s;
     for (std::size_t n = 0, fine = 0; n < samples; ++n) {
       velocity[n * modes + k] = static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
       for (std::size_t i = 0; i < finer; ++i, ++fine)

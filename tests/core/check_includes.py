@@ -20,8 +20,8 @@ bit: bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr
 cctype: isalnum isalpha isdigit isspace tolower toupper
 charconv: chars_format from_chars to_chars
 cmath: abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp exp2 expm1
-  fabs floor fma fmax fmin fmod fpclassify hypot isfinite isinf isnan ldexp legendre llround log log10 log1p log2
-  lround nan nextafter pow remainder rint round sin sinh sph_bessel sph_legendre sph_neumann sqrt tan tanh tgamma
+  fabs floor fma fmax fmin fmod fpclassify hypot ilogb isfinite isinf isnan ldexp legendre llround log log10 log1p log2
+  lround nan nextafter pow remainder rint round signbit sin sinh sph_bessel sph_legendre sph_neumann sqrt tan tanh tgamma
   trunc
 complex: complex abs arg conj exp norm polar pow sqrt
 concepts: floating_point integral same_as

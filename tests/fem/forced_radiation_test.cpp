@@ -35,18 +35,18 @@ modal::ModalTable table_of(const Modes& modes, const ModeRadiation& radiation) {
 }
 
 /// Pressure for a unit of a motion's acceleration at a frequency, from its kernel, which is late.
-Complex pressure_at(const modal::Arrivals& arrivals, std::size_t motion, double hz,
-                    double fractional_samples) {
+tactus::Complex pressure_at(const modal::Arrivals& arrivals, std::size_t motion, double hz,
+                            double fractional_samples) {
   std::vector<double> pressure(arrivals.samples() * modal::BandLimit::kNodes);
   arrivals.find(motion, pressure);
-  Complex sum = 0;
+  tactus::Complex sum = 0;
   for (std::size_t n = 0; n < arrivals.samples(); ++n)
     for (std::size_t i = 0; i < modal::BandLimit::kGauss; ++i)
       sum += modal::BandLimit::kGaussWeight[i] * pressure[n * modal::BandLimit::kNodes + 1 + i] *
-             std::polar(1.0, -2 * kPi * hz / kRate *
-                                 (static_cast<double>(n) + modal::BandLimit::kNode[1 + i] -
-                                  fractional_samples));
-  return sum * std::polar(1.0, -2 * kPi * hz * arrivals.delay_s);
+             tactus::math::polar(1.0, -2 * kPi * hz / kRate *
+                                          (static_cast<double>(n) + modal::BandLimit::kNode[1 + i] -
+                                           fractional_samples));
+  return sum * tactus::math::polar(1.0, -2 * kPi * hz * arrivals.delay_s);
 }
 
 } // namespace
@@ -100,23 +100,23 @@ void check_driven(const Body& b, std::initializer_list<double> frequencies) {
     const double k = 2 * kPi * hz / settings.sound_speed;
     const auto mu = field.solve(k, flow, count, settings.air_density, settings.sound_speed);
     for (const Listener& listener : listeners) {
-      std::vector<Complex> ours, true_pressure;
+      std::vector<tactus::Complex> ours, true_pressure;
       double peak_amplitude = 0;
       for (std::size_t i = 0; i < count; ++i) {
-        const Complex velocity_to_acceleration = Complex(0, 2 * kPi * hz);
+        const tactus::Complex velocity_to_acceleration = tactus::Complex(0, 2 * kPi * hz);
         true_pressure.push_back(field.pressure(k, std::span(mu).subspan(i * n, n), listener.at) /
                                 velocity_to_acceleration);
         ours.push_back(pressure_at(*listener.arrivals, i, hz, listener.late));
-        peak_amplitude = std::max(peak_amplitude, std::abs(true_pressure.back()));
+        peak_amplitude = std::max(peak_amplitude, abs(true_pressure.back()));
       }
       for (std::size_t i = 0; i < count; ++i) {
-        if (std::abs(true_pressure[i]) < 3e-3 * peak_amplitude) // drowned by another mode
+        if (abs(true_pressure[i]) < 3e-3 * peak_amplitude) // drowned by another mode
           continue;
-        const double level = 20 * std::log10(std::abs(ours[i]) / std::abs(true_pressure[i]));
+        const double level = 20 * std::log10(abs(ours[i]) / abs(true_pressure[i]));
         all.push_back(std::abs(level));
         // And in phase: what modes do together depends on it.
-        worst = std::max(worst, std::abs(ours[i] - true_pressure[i]) /
-                                    (std::abs(true_pressure[i]) + .03 * peak_amplitude));
+        worst = std::max(worst, abs(ours[i] - true_pressure[i]) /
+                                    (abs(true_pressure[i]) + .03 * peak_amplitude));
       }
     }
   }
@@ -158,12 +158,13 @@ double worst_at_own_frequencies(const char* shape, const std::map<std::string, d
     const double hz = a.modes.frequency_hz[k];
     if (hz > 18000)
       continue;
-    const Complex rate(0, omega[k]);
-    const Complex exact = modal::multipole_transfer(table, std::span(&rate, 1), std::span(&k, 1),
-                                                    at, modal::RadiatingSurface::Scene{})
-                              .pressure[0];
+    const tactus::Complex rate(0, omega[k]);
+    const tactus::Complex exact =
+        modal::multipole_transfer(table, std::span(&rate, 1), std::span(&k, 1), at,
+                                  modal::RadiatingSurface::Scene{})
+            .pressure[0];
     const double level =
-        20 * std::log10(omega[k] * std::abs(pressure_at(*arrivals, k, hz, 0)) / std::abs(exact));
+        20 * std::log10(omega[k] * abs(pressure_at(*arrivals, k, hz, 0)) / abs(exact));
     worst = std::max(worst, std::abs(level));
   }
   return worst;

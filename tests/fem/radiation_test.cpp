@@ -56,53 +56,54 @@ std::vector<double> flow_of(const AcousticSkin& fine, const AcousticSkin& coarse
 }
 
 /// p(r) = -j rho c h_l(kr)/h_l'(ka) P_l for v_n = P_l.
-Complex exact(int l, double k, const Vec3& x) {
+tactus::Complex exact(int l, double k, const Vec3& x) {
   const auto degree = static_cast<std::size_t>(l);
   const auto at = spherical_hankel(degree + 1, k * kRadius);
-  const Complex slope = static_cast<double>(l) / (k * kRadius) * at[degree] - at[degree + 1];
-  return Complex(0, -kAir * kSpeed) * spherical_hankel(degree, k * length(x))[degree] / slope *
-         legendre(l, x.z / length(x));
+  const tactus::Complex slope =
+      static_cast<double>(l) / (k * kRadius) * at[degree] - at[degree + 1];
+  return tactus::Complex(0, -kAir * kSpeed) * spherical_hankel(degree, k * length(x))[degree] /
+         slope * legendre(l, x.z / length(x));
 }
 
 /// All waves at a point and their slopes, at l^2 + l + m.
 struct AllWaves {
-  std::vector<Complex> psi, slope;
+  std::vector<tactus::Complex> psi, slope;
 };
 AllWaves waves_at(std::size_t highest, double k, const Vec3& x, const Vec3& n = {0, 0, 1}) {
   RegularWaves waves(highest);
   std::array<std::vector<double>, 4> plane;
   plane.fill(std::vector<double>(waves.size()));
   waves.evaluate(k, x, n, {plane[0], plane[1], plane[2], plane[3]});
-  AllWaves all{std::vector<Complex>((highest + 1) * (highest + 1)), {}};
+  AllWaves all{std::vector<tactus::Complex>((highest + 1) * (highest + 1)), {}};
   all.slope = all.psi;
   for (std::size_t l = 0; l <= highest; ++l)
     for (std::size_t m = 0; m <= l; ++m) {
       const std::size_t at = waves.start(l) + m, middle = l * l + l;
       const double sign = m % 2 ? -1 : 1;
-      const Complex psi(plane[0][at], plane[1][at]), slope(plane[2][at], plane[3][at]);
-      all.psi[middle - m] = sign * std::conj(psi);
+      const tactus::Complex psi(plane[0][at], plane[1][at]), slope(plane[2][at], plane[3][at]);
+      all.psi[middle - m] = sign * conj(psi);
       all.psi[middle + m] = psi;
-      all.slope[middle - m] = sign * std::conj(slope);
+      all.slope[middle - m] = sign * conj(slope);
       all.slope[middle + m] = slope;
     }
   return all;
 }
 
 /// The pressure of outgoing waves from their coefficients at the reference radius.
-Complex outgoing(std::span<const Complex> c, std::size_t highest, double k, double reference,
-                 const Vec3& x) {
-  const std::vector<Complex> psi = waves_at(highest, k, x).psi;
+tactus::Complex outgoing(std::span<const tactus::Complex> c, std::size_t highest, double k,
+                         double reference, const Vec3& x) {
+  const std::vector<tactus::Complex> psi = waves_at(highest, k, x).psi;
   const auto j = spherical_bessel(highest, k * length(x));
   const auto at = spherical_hankel(highest, k * length(x)),
              from = spherical_hankel(highest, k * reference);
-  Complex sum = 0;
+  tactus::Complex sum = 0;
   for (std::size_t l = 0; l <= highest; ++l)
     for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
       sum += c[q] * at[l] / from[l] * psi[q] / j[l];
   return sum;
 }
 
-double decibels(Complex a, Complex b) { return 20 * std::log10(std::abs(a) / std::abs(b)); }
+double decibels(tactus::Complex a, tactus::Complex b) { return 20 * std::log10(abs(a) / abs(b)); }
 
 } // namespace
 
@@ -126,7 +127,7 @@ void check_spheres(int times, std::initializer_list<std::pair<double, int>> of, 
     // The same field as outgoing waves, and the power that leaves: of l = 0 in closed form.
     const auto c = multipoles(field, k, mu, 20, {}, kRadius);
     const Vec3 x{.03, -.04, .07};
-    CHECK(std::abs(outgoing(c, 20, k, kRadius, x) / field.pressure(k, mu, x) - 1.0) < 1e-3);
+    CHECK(abs(outgoing(c, 20, k, kRadius, x) / field.pressure(k, mu, x) - 1.0) < 1e-3);
     const double ka = k * kRadius;
     if (l == 0) {
       const double power =
@@ -172,12 +173,13 @@ void check_inner_sources(std::size_t triangles, std::initializer_list<double> fr
     const auto pressure = [&](const Vec3& x) {
       const Vec3 d = x - source;
       const double r = length(d);
-      return std::polar(1 / r, -k * r) * (1.0 + .01 * d.z / r * Complex(1 / r, k));
+      return tactus::math::polar(1 / r, -k * r) * (1.0 + .01 * d.z / r * tactus::Complex(1 / r, k));
     };
     const auto velocity = [&](const Vec3& x, int axis) { // -grad p/(j omega rho)
       Vec3 step;
       step[axis] = 1e-6;
-      return (pressure(x + step) - pressure(x - step)) / 2e-6 / Complex(0, -k * kSpeed * kAir);
+      return (pressure(x + step) - pressure(x - step)) / 2e-6 /
+             tactus::Complex(0, -k * kSpeed * kAir);
     };
     std::vector<double> flow;
     for (const bool imaginary : {false, true}) {
@@ -185,7 +187,7 @@ void check_inner_sources(std::size_t triangles, std::initializer_list<double> fr
       for (const Vec3& x : fine.vertex) {
         Vec3 one;
         for (int axis = 0; axis < 3; ++axis) {
-          const Complex u = velocity(x, axis);
+          const tactus::Complex u = velocity(x, axis);
           one[axis] = imaginary ? u.imag() : u.real();
         }
         v.push_back(one);
@@ -194,9 +196,9 @@ void check_inner_sources(std::size_t triangles, std::initializer_list<double> fr
       flow.insert(flow.end(), part.begin(), part.end());
     }
     const auto both = field.solve(k, flow, 2, kAir, kSpeed);
-    std::vector<Complex> mu(n);
+    std::vector<tactus::Complex> mu(n);
     for (std::size_t i = 0; i < n; ++i)
-      mu[i] = both[i] + Complex(0, 1) * both[n + i];
+      mu[i] = both[i] + tactus::Complex(0, 1) * both[n + i];
     for (const Vec3& x :
          {Vec3{.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}, {.5, 0, .02}, {0, -.08, -.05}})
       CHECK(std::abs(decibels(field.pressure(k, mu, x), pressure(x))) < tolerance_db);
@@ -249,7 +251,7 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
       const Vec3 x = point;
       double sum = 0;
       for (std::size_t i = 0; i < c.modes.size(); ++i)
-        sum += std::norm(
+        sum += norm(
             field.pressure(k, std::span(mu).subspan(i * field.unknowns(), field.unknowns()), x));
       const double level = decibels(std::sqrt(sum) / antinode, expected);
       CAPTURE(f);
@@ -304,20 +306,20 @@ TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
   const double pi = std::numbers::pi, k = 120;
   for (const Vec3& x : {Vec3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}}) {
     const double r = length(x);
-    const std::vector<Complex> psi = waves_at(kHighest, k, x).psi;
+    const std::vector<tactus::Complex> psi = waves_at(kHighest, k, x).psi;
     const auto j = spherical_bessel(kHighest, k * r);
-    const Complex across = Complex(x.x, x.y) / r;
+    const tactus::Complex across = tactus::Complex(x.x, x.y) / r;
     const double along = x.z / r;
-    CHECK(std::abs(psi[0] - j[0] / std::sqrt(4 * pi)) < 1e-14);
-    CHECK(std::abs(psi[2] - j[1] * std::sqrt(3 / (4 * pi)) * along) < 1e-14);
-    CHECK(std::abs(psi[3] + j[1] * std::sqrt(3 / (8 * pi)) * across) < 1e-14);
-    CHECK(std::abs(psi[1] - j[1] * std::sqrt(3 / (8 * pi)) * std::conj(across)) < 1e-14);
-    CHECK(std::abs(psi[7] + j[2] * std::sqrt(15 / (8 * pi)) * along * across) < 1e-14);
-    CHECK(std::abs(psi[8] - j[2] * std::sqrt(15 / (32 * pi)) * across * across) < 1e-14);
+    CHECK(abs(psi[0] - j[0] / std::sqrt(4 * pi)) < 1e-14);
+    CHECK(abs(psi[2] - j[1] * std::sqrt(3 / (4 * pi)) * along) < 1e-14);
+    CHECK(abs(psi[3] + j[1] * std::sqrt(3 / (8 * pi)) * across) < 1e-14);
+    CHECK(abs(psi[1] - j[1] * std::sqrt(3 / (8 * pi)) * conj(across)) < 1e-14);
+    CHECK(abs(psi[7] + j[2] * std::sqrt(15 / (8 * pi)) * along * across) < 1e-14);
+    CHECK(abs(psi[8] - j[2] * std::sqrt(15 / (32 * pi)) * across * across) < 1e-14);
     for (std::size_t l = 0; l <= kHighest; ++l) {
       double sum = 0;
       for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
-        sum += std::norm(psi[q]);
+        sum += norm(psi[q]);
       CHECK(sum == doctest::Approx(j[l] * j[l] * (2. * static_cast<double>(l) + 1) / (4 * pi))
                        .epsilon(1e-11));
     }
@@ -332,7 +334,7 @@ TEST_CASE("waves' slopes are the derivatives of the waves, at the poles and the 
                behind = waves_at(12, k, x - step * n).psi;
     const auto slope = waves_at(12, k, x, n).slope;
     for (std::size_t q = 0; q < slope.size(); ++q)
-      CHECK(std::abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
+      CHECK(abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
   }
 }
 
@@ -361,7 +363,7 @@ TEST_CASE("integrals over pairs of panels are the sums over their points") {
     for (std::size_t u = 0; u < 2; ++u)
       for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = 0; b < 3; ++b) {
-          Complex value = 0, slope = 0, slope_back = 0;
+          tactus::Complex value = 0, slope = 0, slope_back = 0;
           for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = 0; j < 3; ++j) {
               const Panel &p = panels[0], &q = panels[u];
@@ -370,23 +372,24 @@ TEST_CASE("integrals over pairs of panels are the sums over their points") {
               const Vec3 d = p.point[i] - q.point[j];
               const double r = length(d);
               if (r == 0) { // of (exp(-jkr) - 1)/r; of exp(-jkr)/r the part that is finite
-                value += weight * Complex(0, -k);
+                value += weight * tactus::Complex(0, -k);
                 continue;
               }
-              const Complex wave = std::polar(1.0, -k * r);
+              const tactus::Complex wave = tactus::math::polar(1.0, -k * r);
               const double rest = near ? 1 : 0;
               value += weight / r * (wave - rest);
-              const Complex steep = weight / (r * r * r) * (Complex(1, k * r) * wave - rest);
+              const tactus::Complex steep =
+                  weight / (r * r * r) * (tactus::Complex(1, k * r) * wave - rest);
               slope += -dot(d, p.normal) * steep;
               slope_back += dot(d, q.normal) * steep;
             }
           const std::size_t ab = 3 * a + b;
           const auto of = [&](const PanelPairs::Integrals& x) {
-            return Complex(x.re[ab][u], x.im[ab][u]);
+            return tactus::Complex(x.re[ab][u], x.im[ab][u]);
           };
-          CHECK(std::abs(of(pairs.value) - value) < 1e-12 * std::abs(value));
-          CHECK(std::abs(of(pairs.slope) - slope) < 1e-12 * std::abs(value) / .01);
-          CHECK(std::abs(of(pairs.slope_back) - slope_back) < 1e-12 * std::abs(value) / .01);
+          CHECK(abs(of(pairs.value) - value) < 1e-12 * abs(value));
+          CHECK(abs(of(pairs.slope) - slope) < 1e-12 * abs(value) / .01);
+          CHECK(abs(of(pairs.slope_back) - slope_back) < 1e-12 * abs(value) / .01);
         }
   }
 }
@@ -394,19 +397,19 @@ TEST_CASE("integrals over pairs of panels are the sums over their points") {
 TEST_CASE("multipoles carry the field of any layers to where its direct sum does") {
   const ExteriorField field(ball(2));
   const std::size_t n = field.unknowns();
-  std::vector<Complex> mu(2 * n);
+  std::vector<tactus::Complex> mu(2 * n);
   for (std::size_t i = 0; i < mu.size(); ++i)
-    mu[i] = std::polar(1.0, 2.4 * static_cast<double>(i * i % 97));
+    mu[i] = tactus::math::polar(1.0, 2.4 * static_cast<double>(i * i % 97));
   constexpr std::size_t kHighest = 60, kTerms = (kHighest + 1) * (kHighest + 1);
   const double k = 90;
   const Vec3 centre{.004, -.003, .002};
   const auto c = multipoles(field, k, mu, kHighest, centre, .06);
   for (const Vec3& x : {Vec3{.07, -.05, .09}, {-.2, .1, .03}}) {
     for (std::size_t column = 0; column < 2; ++column) {
-      const Complex sum =
+      const tactus::Complex sum =
           outgoing(std::span(c).subspan(column * kTerms, kTerms), kHighest, k, .06, x - centre);
-      const Complex direct = field.pressure(k, std::span(mu).subspan(column * n, n), x);
-      CHECK(std::abs(sum / direct - 1.0) < 1e-6);
+      const tactus::Complex direct = field.pressure(k, std::span(mu).subspan(column * n, n), x);
+      CHECK(abs(sum / direct - 1.0) < 1e-6);
     }
   }
 }

@@ -75,14 +75,15 @@ TEST_CASE("the player hears from the table what the boundary elements compute") 
   const auto mu =
       field.solve(k, FlowTransfer(fine, coarse)(skin_motion(b.solved, mode)), 1, kAir, kSpeed);
   for (const Vec3& x : {Vec3{.06, .03, .05}, {0, 0, .5}, {.3, -.2, -.1}}) {
-    const std::complex<double> rate(0, omega);
+    const tactus::Complex rate(0, omega);
     const auto heard = modal::multipole_transfer(b.table, {&rate, 1}, {&mode, 1}, {x.x, x.y, x.z},
                                                  {1, 1, kAir, kSpeed});
-    const Complex there = heard.pressure[0] * std::polar(1.0, -omega * heard.delay_s);
-    const Complex exact = field.pressure(k, mu, x);
+    const tactus::Complex there =
+        heard.pressure[0] * tactus::math::polar(1.0, -omega * heard.delay_s);
+    const tactus::Complex exact = field.pressure(k, mu, x);
     CAPTURE(there);
     CAPTURE(exact);
-    CHECK(std::abs(there / exact - 1.0) < .01);
+    CHECK(abs(there / exact - 1.0) < .01);
   }
 }
 
@@ -116,10 +117,10 @@ void check_baffled(double h, double tolerance_db) {
     double sum = 0;
     std::vector<double> top(table.vertex_m.size(), 0.0);
     for (const std::size_t mode : c.modes) {
-      const std::complex<double> rate(0, 2 * std::numbers::pi * table.frequency_hz[mode]);
-      sum +=
-          std::norm(loaded.radiating.modal({&rate, 1}, {&mode, 1}, c.listener, {1, 1, kAir, kSpeed})
-                        .pressure[0]);
+      const tactus::Complex rate(0, 2 * std::numbers::pi * table.frequency_hz[mode]);
+      sum += tactus::math::norm(
+          loaded.radiating.modal({&rate, 1}, {&mode, 1}, c.listener, {1, 1, kAir, kSpeed})
+              .pressure[0]);
       for (std::size_t v = 0; v < top.size(); ++v)
         if (table.vertex_m[v].z > .0059)
           top[v] += std::pow(table.shape_at(mode, v).z, 2);
@@ -164,12 +165,13 @@ TEST_CASE("modal radiation is the direct sum over retarded velocities") {
     listener.set(raw, x, kAir, kSpeed);
     double modal_power = 0, raw_power = 0, difference = 0;
     for (double t = 1.8e-3; t < 3.4e-3; t += 31.7e-6) {
-      Complex sum = 0;
+      tactus::Complex sum = 0;
       for (std::size_t k = 0; k < model.audible_modes; ++k) {
-        const Complex s = model.rate[k];
-        const Complex amplitude = settings.impulse_n_s * gain[k] * Complex(1, -s.real() / s.imag());
-        const Complex slope = (1.0 - std::exp(-s * kStep)) / (s * kStep); // for the derivative
-        sum += amplitude * heard.pressure[k] * slope * std::exp(s * (t - heard.delay_s));
+        const tactus::Complex s = model.rate[k];
+        const tactus::Complex amplitude =
+            settings.impulse_n_s * gain[k] * tactus::Complex(1, -s.real() / s.imag());
+        const tactus::Complex slope = (1.0 - exp(-s * kStep)) / (s * kStep); // for the derivative
+        sum += amplitude * heard.pressure[k] * slope * exp(s * (t - heard.delay_s));
       }
       const double p = listener.pressure(raw, 0, t);
       modal_power += sum.real() * sum.real();

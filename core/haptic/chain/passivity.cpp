@@ -1,5 +1,7 @@
 #include "core/haptic/chain/passivity.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <cmath>
 #include <limits>
 
@@ -95,10 +97,10 @@ Vec3 PassivityController::displacement(const PassivitySettings& settings) noexce
 double PassivityController::Held::stiffness(double period_s, const Vec3& force_n,
                                             const Vec3& moved_m) noexcept {
   const bool begins = desired == Vec3{};
-  const double part = 1.0 - std::exp(-period_s / kChangeTimeConstant_s);
+  const double part = 1.0 - math::exp(-period_s / kChangeTimeConstant_s);
   force_change_n += part * ((begins ? 0.0 : dot(force_n - desired, direction)) - force_change_n);
   motion_m += part * ((begins ? 0.0 : dot(moved_m, direction)) - motion_m);
-  const double decay = std::exp(-period_s / kStiffnessTimeConstant_s);
+  const double decay = math::exp(-period_s / kStiffnessTimeConstant_s);
   changes_n2 = decay * changes_n2 + force_change_n * force_change_n;
   product_nm = decay * product_nm - force_change_n * motion_m;
   motions_m2 = decay * motions_m2 + motion_m * motion_m;

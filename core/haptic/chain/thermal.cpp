@@ -1,5 +1,7 @@
 #include "core/haptic/chain/thermal.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +26,7 @@ double reported_ceiling_n(const ThermalSettings& settings) noexcept {
 
 void ThermalLimit::advance(const ThermalSettings& settings, double force_n,
                            bool reported_warm) noexcept {
-  const double decay = std::exp(-settings.period_s / kTimeConstant_s);
+  const double decay = math::exp(-settings.period_s / kTimeConstant_s);
   heat_n2_ = decay * heat_n2_ + (1.0 - decay) * force_n * force_n;
   const double step = settings.period_s / (reported_warm ? kWarmRamp_s : -kCoolRamp_s);
   warm_ = std::clamp(warm_ + step, 0.0, 1.0);

@@ -1,5 +1,7 @@
 #include "core/haptic/device/path.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -35,8 +37,8 @@ PathPoint RowPath::at(double time_s) const noexcept {
 PathPoint LinePath::at(double time_s) const noexcept {
   const double phase = phase_of(time_s / period_s);
   const Vec3 displacement = to - from;
-  return {from + displacement * (0.5 * (1.0 - std::cos(phase))),
-          displacement * (std::sin(phase) * pi / period_s), 0};
+  return {from + displacement * (0.5 * (1.0 - math::cos(phase))),
+          displacement * (math::sin(phase) * pi / period_s), 0};
 }
 
 PathPoint CirclePath::at(double time_s) const noexcept {
@@ -44,10 +46,10 @@ PathPoint CirclePath::at(double time_s) const noexcept {
   const double speed = radius_m * 2 * pi / period_s;
   PathPoint point;
   point.position = centre;
-  point.position[first] += radius_m * std::cos(phase);
-  point.position[second] += radius_m * std::sin(phase);
-  point.velocity[first] = -speed * std::sin(phase);
-  point.velocity[second] = speed * std::cos(phase);
+  point.position[first] += radius_m * math::cos(phase);
+  point.position[second] += radius_m * math::sin(phase);
+  point.velocity[first] = -speed * math::sin(phase);
+  point.velocity[second] = speed * math::cos(phase);
   return point;
 }
 
@@ -55,8 +57,8 @@ PathPoint LissajousPath::at(double time_s) const noexcept {
   PathPoint point;
   for (int axis = 0; axis < 3; ++axis) {
     const double phase = phase_of(frequency_hz[axis] * time_s);
-    point.position[axis] = centre[axis] + amplitude[axis] * std::sin(phase);
-    point.velocity[axis] = amplitude[axis] * 2 * pi * frequency_hz[axis] * std::cos(phase);
+    point.position[axis] = centre[axis] + amplitude[axis] * math::sin(phase);
+    point.velocity[axis] = amplitude[axis] * 2 * pi * frequency_hz[axis] * math::cos(phase);
   }
   return point;
 }

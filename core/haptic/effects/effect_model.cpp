@@ -1,7 +1,8 @@
 #include "core/haptic/effects/effect_model.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace tactus::haptic {
@@ -39,7 +40,7 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
   if (now.texture) {
     const auto& texture = *now.texture;
     const double phase = 2 * pi * dot(x, texture.direction) / texture.wavelength_m;
-    sum += limited(texture.direction * (texture.amplitude_n * std::sin(phase)), kMaxEffect_n);
+    sum += limited(texture.direction * (texture.amplitude_n * math::sin(phase)), kMaxEffect_n);
   }
   if (now.relief)
     sum += relief(*now.relief, x);
@@ -106,8 +107,8 @@ Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
     return {};
   const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
   const double phase = 2 * pi * dot(position, along) / relief.wavelength_m;
-  const double height = 0.5 * relief.depth_m * (std::cos(phase) - 1);
-  const double slope = -relief.depth_m * pi / relief.wavelength_m * std::sin(phase);
+  const double height = 0.5 * relief.depth_m * (math::cos(phase) - 1);
+  const double slope = -relief.depth_m * pi / relief.wavelength_m * math::sin(phase);
   const double modulated_force = contact_force * std::max(0.0, depth + height) / depth;
   return limited(normal * (modulated_force - contact_force) - along * (modulated_force * slope),
                  kMaxEffect_n);

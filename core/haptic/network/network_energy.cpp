@@ -1,3 +1,4 @@
+#include "core/dsp/elementary.hpp"
 #include "core/haptic/network/network_model.hpp"
 
 #include <algorithm>
@@ -101,7 +102,7 @@ void NetworkModel::limit_energy(double work_j, double period_s) noexcept {
   }
   const double excess = energy - available;
   if (excess <= kRounding * (std::abs(energy) + kinetic)) {
-    const double budget_decay = std::exp(-period_s / kBudgetTimeConstant_s);
+    const double budget_decay = math::exp(-period_s / kBudgetTimeConstant_s);
     budget_j_ = std::min(available, energy + std::max(-excess, 0.0) * budget_decay);
     return;
   }

@@ -1,3 +1,4 @@
+#include "core/dsp/elementary.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 
 /// SceneModel's events: hits, contacts and releases.
@@ -7,7 +8,7 @@ void SceneModel::push_events(const Tick& tick) noexcept {
   std::array<const Touch*, Scene::kMaxBodies> now{};
   std::array<double, Scene::kMaxBodies> depth{};
   for (const Touch& touch : touches_.all()) {
-    depth[touch.slot] = std::hypot(depth[touch.slot], touch.penetration_m);
+    depth[touch.slot] = math::hypot(depth[touch.slot], touch.penetration_m);
     if (!now[touch.slot] || touch.penetration_m > now[touch.slot]->penetration_m)
       now[touch.slot] = &touch;
   }

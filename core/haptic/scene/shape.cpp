@@ -1,3 +1,4 @@
+#include "core/dsp/elementary.hpp"
 #include "core/haptic/scene/convex_crossing.hpp"
 #include "core/haptic/scene/rounded_shape.hpp"
 
@@ -65,7 +66,7 @@ Found enters(const Box& box, const Vec3& from, const Vec3& to) noexcept {
 Found enters(const Disk& disk, const Vec3& from, const Vec3& to) noexcept {
   const Vec3 motion = to - from;
   const auto radius_at = [&](double fraction) {
-    return std::hypot(from.x + motion.x * fraction, from.y + motion.y * fraction);
+    return math::hypot(from.x + motion.x * fraction, from.y + motion.y * fraction);
   };
   if (std::abs(from.z) >= disk.half_thickness && motion.z * from.z < 0.0) {
     const double face = from.z > 0.0 ? disk.half_thickness : -disk.half_thickness;
@@ -73,14 +74,14 @@ Found enters(const Disk& disk, const Vec3& from, const Vec3& to) noexcept {
     if (fraction <= 1.0 && radius_at(fraction) < disk.radius)
       return Crossing{fraction, {0, 0, from.z > 0.0 ? 1.0 : -1.0}};
   }
-  const double distance = std::hypot(from.x, from.y);
+  const double distance = math::hypot(from.x, from.y);
   const auto fraction = enters_circle(motion.x * motion.x + motion.y * motion.y,
                                       from.x * motion.x + from.y * motion.y,
                                       (distance - disk.radius) * (distance + disk.radius));
   if (!fraction || std::abs(from.z + motion.z * *fraction) > disk.half_thickness + kSeam_m)
     return {};
   const double x = from.x + motion.x * *fraction, y = from.y + motion.y * *fraction,
-               r = std::hypot(x, y);
+               r = math::hypot(x, y);
   return Crossing{*fraction, {x / r, y / r, 0}};
 }
 
@@ -113,7 +114,7 @@ Exit exit_from(const Box& box, const Vec3& p) noexcept {
   return out;
 }
 Exit exit_from(const Disk& disk, const Vec3& p) noexcept {
-  const double r = std::hypot(p.x, p.y), to_rim = disk.radius - r,
+  const double r = math::hypot(p.x, p.y), to_rim = disk.radius - r,
                to_face = disk.half_thickness - std::abs(p.z);
   if (!(to_rim > 0.0 && to_face > 0.0))
     return {};
@@ -212,7 +213,7 @@ std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_rad
   const auto* disk = std::get_if<Disk>(&shape);
   if (!disk)
     return {};
-  const double r = std::hypot(inside.x, inside.y), radius = disk->radius + tool_radius;
+  const double r = math::hypot(inside.x, inside.y), radius = disk->radius + tool_radius;
   if (normal.z == 0.0 && r < radius && r > 0.0 && std::abs(inside.z) < disk->half_thickness) {
     const Vec3 outward{inside.x / r, inside.y / r, 0};
     return SurfacePoint{{outward.x * radius, outward.y * radius, inside.z}, outward};

@@ -1,3 +1,4 @@
+#include "core/dsp/elementary.hpp"
 #include "core/haptic/scene/rounded_shape.hpp"
 
 /// Distances from the bare shapes and bounding boxes.
@@ -18,7 +19,7 @@ double lower_bound(const Box& box, const Vec3& p) noexcept {
   return lower_bound(Bounds{-box.half, box.half}, p);
 }
 double lower_bound(const Disk& disk, const Vec3& p) noexcept {
-  return std::max(std::hypot(p.x, p.y) - disk.radius, std::abs(p.z) - disk.half_thickness);
+  return std::max(math::hypot(p.x, p.y) - disk.radius, std::abs(p.z) - disk.half_thickness);
 }
 double lower_bound(const MeshSurface& surface, const Vec3& p) noexcept {
   return lower_bound(surface.mesh->bounds(), p);

@@ -1,5 +1,7 @@
 #include "core/haptic/servo/statistics.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +16,7 @@ void DurationHistogram::add(double seconds) noexcept {
     return;
   seconds = std::clamp(seconds, 0.0, 1e9);
   const double bin_position =
-      seconds > kShortest_s ? std::log(seconds / kShortest_s) / kLogRatio : 0.0;
+      seconds > kShortest_s ? math::log(seconds / kShortest_s) / kLogRatio : 0.0;
   const auto bin = std::min(static_cast<std::size_t>(bin_position), kBins - 1);
   ++bins_[bin];
   ++count_;
@@ -34,7 +36,8 @@ double DurationHistogram::quantile_s(double probability) const noexcept {
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += bins_[bin];
     if (bins_[bin] && seen >= target_rank)
-      return std::min(max_s_, kShortest_s * std::exp((static_cast<double>(bin) + 0.5) * kLogRatio));
+      return std::min(max_s_,
+                      kShortest_s * math::exp((static_cast<double>(bin) + 0.5) * kLogRatio));
   }
   return max_s_;
 }

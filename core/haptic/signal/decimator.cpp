@@ -1,5 +1,7 @@
 #include "core/haptic/signal/decimator.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <cmath>
 #include <numbers>
 
@@ -14,11 +16,11 @@ void Decimator::set(double sample_rate_hz, double servo_rate_hz) noexcept {
   bypass_ = !(cutoff > 0.0) || !(cutoff < 0.45 * sample_rate_hz);
   if (bypass_)
     return;
-  const double k = std::tan(std::numbers::pi * cutoff / sample_rate_hz);
+  const double k = math::tan(std::numbers::pi * cutoff / sample_rate_hz);
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     // Poles of the analogue filter lie at equal angles on the left half of a circle.
     const double angle = std::numbers::pi * (2.0 * static_cast<double>(i) + 1.0) / 16.0;
-    const double loss = 2.0 * std::sin(angle) * k, scale = 1.0 / (1.0 + loss + k * k);
+    const double loss = 2.0 * math::sin(angle) * k, scale = 1.0 / (1.0 + loss + k * k);
     sections_[i].b = k * k * scale;
     sections_[i].a1 = 2.0 * (k * k - 1.0) * scale;
     sections_[i].a2 = (1.0 - loss + k * k) * scale;

@@ -1,5 +1,7 @@
 #include "core/modal/bank/mode_bank.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,14 +12,14 @@ constexpr float kMinState = 1e-25F; // smaller states are set to zero, which avo
 constexpr std::array<float, kMaxSamples> kZeros{};
 
 /// A complex product without std::complex's handling of infinities.
-std::complex<double> product(std::complex<double> a, std::complex<double> b) noexcept {
+Complex product(Complex a, Complex b) noexcept {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 } // namespace
 
-ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rate,
-                   std::size_t drives, std::size_t pickups, VectorSet widest)
+ModeBank::ModeBank(std::span<const Complex> rate, double sample_rate, std::size_t drives,
+                   std::size_t pickups, VectorSet widest)
     : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
       kernel_(bank_kernel(widest)), poles_(blocks_), state_(blocks_),
       gain_(std::min(drives, kMaxDrives), std::vector<Lane>(blocks_)),
@@ -32,8 +34,8 @@ ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rat
   make_poles(rate);
 }
 
-void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
-  const auto put = [](ComplexLane& to, std::size_t lane, std::complex<double> value) {
+void ModeBank::make_poles(std::span<const Complex> rate) {
+  const auto put = [](ComplexLane& to, std::size_t lane, Complex value) {
     to.real.v[lane] = static_cast<float>(value.real());
     to.imaginary.v[lane] = static_cast<float>(value.imag());
   };
@@ -61,14 +63,14 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       poles.decay_index = static_cast<std::uint32_t>(decays_.size() - 1);
       for (std::size_t m = 0; m < kHalfTimeBlock; ++m) {
         const double nepers = 0.5 * (min_decay + max_decay) * (static_cast<double>(m) + 0.5);
-        decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
-        decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
+        decays_.back().fall[m] = static_cast<float>(math::exp(-nepers));
+        decays_.back().rise[m] = static_cast<float>(math::exp(nepers));
       }
     }
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t lane = k - first;
       const auto power = [&](double samples) {
-        return std::exp(rate[k] * (samples / sample_rate_));
+        return math::exp(rate[k] * (samples / sample_rate_));
       };
       if (!poles.shares_decay) {
         for (std::size_t m = 0; m < kTimeBlock; ++m)
@@ -77,7 +79,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       }
       for (std::size_t m = 0; m < kHalfTimeBlock; ++m)
         put(poles.power[m], lane,
-            std::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
+            math::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
       constexpr double kCentre = kHalfTimeBlock + 0.5;
       put(poles.power[PoleBlock::kWholeTimeBlock], lane, power(kTimeBlock));
       put(poles.power[PoleBlock::kToMiddle], lane, power(kCentre));
@@ -101,7 +103,7 @@ void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcep
 }
 
 void ModeBank::write_weight(std::vector<ComplexLane>& to,
-                            std::span<const std::complex<double>> weight) noexcept {
+                            std::span<const Complex> weight) noexcept {
   for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
     const auto [block, lane] = lane_index(k);
     to[block].real.v[lane] = static_cast<float>(weight[k].real());
@@ -344,14 +346,14 @@ void ModeBank::deactivate_inaudible() noexcept {
   active_count_ = kept;
 }
 
-std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
+Complex ModeBank::state(std::size_t mode) const noexcept {
   const auto [block, lane] = lane_index(mode);
-  const std::complex<double> z = entry(state_[block], lane);
+  const Complex z = entry(state_[block], lane);
   return poles_[block].shares_decay ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane)
                                     : z;
 }
 
-void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
+void ModeBank::set_state(std::size_t mode, Complex z) noexcept {
   const auto [block, lane] = lane_index(mode);
   if (poles_[block].shares_decay)
     z *= entry(poles_[block].power[PoleBlock::kToMiddle], lane);
@@ -363,8 +365,7 @@ void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
   list_active();
 }
 
-void ModeBank::read(const std::vector<ComplexLane>& from,
-                    std::span<std::complex<double>> z) const noexcept {
+void ModeBank::read(const std::vector<ComplexLane>& from, std::span<Complex> z) const noexcept {
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes,
                       last = std::min(first + kLanes, std::min(modes_, z.size()));
@@ -377,12 +378,12 @@ void ModeBank::read(const std::vector<ComplexLane>& from,
   }
 }
 
-void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
+void ModeBank::read_states(std::span<Complex> z) noexcept {
   flush_pending();
   read(state_, z);
 }
 
-void ModeBank::write_states(std::span<const std::complex<double>> z) noexcept {
+void ModeBank::write_states(std::span<const Complex> z) noexcept {
   silence();
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes,

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/bank/bank_kernel.hpp"
 #include "core/modal/bank/glide.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,28 +26,27 @@ class ModeBank {
 public:
   /// `rate` holds s of each mode, in any order; modes of similar decay next to each other are
   /// computed fastest. |s| T should be below pi. At most 72 drives and 4 pick-ups are used.
-  ModeBank(std::span<const std::complex<double>> rate, double sample_rate, std::size_t drives,
+  ModeBank(std::span<const Complex> rate, double sample_rate, std::size_t drives,
            std::size_t pickups, VectorSet widest = simd::kWidest);
 
   /// Sets the gains b of the modes, 1/sqrt(kg), at the point where a drive acts, at once.
   void set_gain(std::size_t drive, std::span<const double> gain) noexcept;
   /// Sets a pick-up's weights w; they glide to the new ones (Glide), however often they change.
-  void set_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
+  void set_weight(std::size_t pickup, std::span<const Complex> weight) noexcept;
   /// Sets the weights of all pick-ups in step: if one of them changes, all glide.
-  void set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept;
+  void set_weights(std::span<const std::vector<Complex>> weight) noexcept;
   /// Sets a pick-up's weights without a glide.
-  void jump_to_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
+  void jump_to_weight(std::size_t pickup, std::span<const Complex> weight) noexcept;
 
   /// The three weights that a pick-up glides between; at rest kLatest is used.
   enum Part : std::size_t { kOld, kMiddle, kLatest };
   [[nodiscard]] const Glide& glide(std::size_t pickup) const noexcept {
     return pickups_[pickup].glide;
   }
-  [[nodiscard]] std::complex<double> weight(std::size_t pickup, Part part,
-                                            std::size_t mode) const noexcept;
+  [[nodiscard]] Complex weight(std::size_t pickup, Part part, std::size_t mode) const noexcept;
   /// Continues another bank's glide with these weights of all modes: old, middle and latest.
   void set_glide(std::size_t pickup, const Glide& glide,
-                 const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept;
+                 const std::array<std::span<const Complex>, 3>& weight) noexcept;
   /// Increases with every change of the three weights.
   [[nodiscard]] std::uint64_t glide_version() const noexcept { return glide_version_; }
   /// Samples until the first pick-up exchanges its three weights.
@@ -60,19 +59,19 @@ public:
 
   /// Applies the pending part of a time block, so that states can be read and changed.
   void flush_pending() noexcept;
-  [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept;
-  void set_state(std::size_t mode, std::complex<double> z) noexcept;
+  [[nodiscard]] Complex state(std::size_t mode) const noexcept;
+  void set_state(std::size_t mode, Complex z) noexcept;
   /// All states at once, after flush_pending().
-  void read_states(std::span<std::complex<double>> z) noexcept;
-  void write_states(std::span<const std::complex<double>> z) noexcept;
+  void read_states(std::span<Complex> z) noexcept;
+  void write_states(std::span<const Complex> z) noexcept;
   void silence() noexcept;
   /// Fades out all vibration: the present states are copied, ring on separately, and fade within
   /// kRelease samples by half a period of a cosine. The states themselves become zero.
   void release() noexcept;
   [[nodiscard]] std::size_t release_left() const noexcept { return release_left_; }
   /// The states that are being faded out, to hand them to the bank of a new model.
-  void read_released(std::span<std::complex<double>> z) noexcept;
-  void write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept;
+  void read_released(std::span<Complex> z) noexcept;
+  void write_released(std::span<const Complex> z, std::size_t left) noexcept;
   /// True if nothing rings: process() then costs almost nothing and gives zeros while there is no
   /// force.
   [[nodiscard]] bool idle() const noexcept { return active_count_ == 0 && release_left_ == 0; }
@@ -126,23 +125,20 @@ private:
                                             std::size_t part) noexcept {
     return feedthrough_[(drive * pickups_.size() + pickup) * 3 + part];
   }
-  [[nodiscard]] std::complex<double> entry(const ComplexLane& lanes,
-                                           std::size_t lane) const noexcept {
+  [[nodiscard]] Complex entry(const ComplexLane& lanes, std::size_t lane) const noexcept {
     return {static_cast<double>(lanes.real.v[lane]), static_cast<double>(lanes.imaginary.v[lane])};
   }
-  void write_weight(std::vector<ComplexLane>& to,
-                    std::span<const std::complex<double>> weight) noexcept;
-  [[nodiscard]] bool is_target(std::size_t pickup,
-                               std::span<const std::complex<double>> weight) const noexcept;
-  void glide_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
+  void write_weight(std::vector<ComplexLane>& to, std::span<const Complex> weight) noexcept;
+  [[nodiscard]] bool is_target(std::size_t pickup, std::span<const Complex> weight) const noexcept;
+  void glide_to(std::size_t pickup, std::span<const Complex> weight) noexcept;
   void exchange(std::size_t pickup, Glide::Exchange exchange, bool had_target) noexcept;
   void advance_glides(std::size_t samples) noexcept;
   void compute_feedthrough(std::size_t drive, std::size_t pickup, std::size_t part) noexcept;
-  void read(const std::vector<ComplexLane>& from, std::span<std::complex<double>> z) const noexcept;
+  void read(const std::vector<ComplexLane>& from, std::span<Complex> z) const noexcept;
   void list_released() noexcept;
   void mix_released() noexcept;
   void activate_driven(std::size_t drive) noexcept;
-  void make_poles(std::span<const std::complex<double>> rate);
+  void make_poles(std::span<const Complex> rate);
   void list_active() noexcept;
   /// Processes at most kMaxSamples, up to the next multiple of kMaxSamples on the clock.
   void process_chunk(std::size_t frames) noexcept;

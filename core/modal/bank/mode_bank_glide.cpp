@@ -1,20 +1,19 @@
+#include "core/dsp/complex.hpp"
 #include "core/modal/bank/mode_bank.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
 /// The glides of a ModeBank's weights, and its fade-out.
 namespace tactus::modal {
 
-void ModeBank::set_weight(std::size_t pickup,
-                          std::span<const std::complex<double>> weight) noexcept {
+void ModeBank::set_weight(std::size_t pickup, std::span<const Complex> weight) noexcept {
   if (pickup < pickups_.size() && !is_target(pickup, weight))
     glide_to(pickup, weight);
 }
 
-void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept {
+void ModeBank::set_weights(std::span<const std::vector<Complex>> weight) noexcept {
   const std::size_t count = std::min(pickups_.size(), weight.size());
   bool same = modes_ > 0; // without modes equal weights do not mean that nothing has changed
   for (std::size_t i = 0; i < count && same; ++i)
@@ -24,8 +23,7 @@ void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> we
 }
 
 /// True if `weight` equals the newest target.
-bool ModeBank::is_target(std::size_t pickup,
-                         std::span<const std::complex<double>> weight) const noexcept {
+bool ModeBank::is_target(std::size_t pickup, std::span<const Complex> weight) const noexcept {
   const Pickup& at = pickups_[pickup];
   const auto& last = at.glide.has_target() ? at.target : at.weight[kLatest];
   bool same = true;
@@ -37,14 +35,13 @@ bool ModeBank::is_target(std::size_t pickup,
   return same;
 }
 
-void ModeBank::glide_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
+void ModeBank::glide_to(std::size_t pickup, std::span<const Complex> weight) noexcept {
   flush_pending();
   write_weight(pickups_[pickup].target, weight);
   exchange(pickup, pickups_[pickup].glide.start(), true);
 }
 
-void ModeBank::jump_to_weight(std::size_t pickup,
-                              std::span<const std::complex<double>> weight) noexcept {
+void ModeBank::jump_to_weight(std::size_t pickup, std::span<const Complex> weight) noexcept {
   if (pickup >= pickups_.size())
     return;
   flush_pending();
@@ -55,9 +52,8 @@ void ModeBank::jump_to_weight(std::size_t pickup,
   ++glide_version_;
 }
 
-void ModeBank::set_glide(
-    std::size_t pickup, const Glide& glide,
-    const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept {
+void ModeBank::set_glide(std::size_t pickup, const Glide& glide,
+                         const std::array<std::span<const Complex>, 3>& weight) noexcept {
   if (pickup >= pickups_.size())
     return;
   flush_pending();
@@ -110,18 +106,17 @@ std::size_t ModeBank::glide_left() const noexcept {
   return left;
 }
 
-std::complex<double> ModeBank::weight(std::size_t pickup, Part part,
-                                      std::size_t mode) const noexcept {
+Complex ModeBank::weight(std::size_t pickup, Part part, std::size_t mode) const noexcept {
   const auto [block, lane] = lane_index(mode);
   return entry(pickups_[pickup].weight[part][block], lane);
 }
 
-void ModeBank::read_released(std::span<std::complex<double>> z) noexcept {
+void ModeBank::read_released(std::span<Complex> z) noexcept {
   flush_pending();
   read(released_, z);
 }
 
-void ModeBank::write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept {
+void ModeBank::write_released(std::span<const Complex> z, std::size_t left) noexcept {
   write_states(z);
   release();
   release_left_ = std::min(left, kRelease);
@@ -129,7 +124,7 @@ void ModeBank::write_released(std::span<const std::complex<double>> z, std::size
 
 double ModeBank::release_share(std::size_t left) noexcept {
   const double u = static_cast<double>(kRelease - left) / kRelease;
-  return 0.5 + 0.5 * std::cos(std::numbers::pi * u);
+  return 0.5 + 0.5 * math::cos(std::numbers::pi * u);
 }
 
 void ModeBank::release() noexcept {

@@ -1,5 +1,6 @@
 #include "core/modal/body/body_model.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/radiation/combined_arrivals.hpp"
 #include "core/modal/table/modal_table.hpp"
 
@@ -24,9 +25,9 @@ double on_curve(const std::vector<std::array<double, 2>>& curve, double frequenc
   for (std::size_t i = 1; i < curve.size(); ++i)
     if (frequency <= curve[i][0]) {
       const double x =
-          std::log(frequency / curve[i - 1][0]) / std::log(curve[i][0] / curve[i - 1][0]);
+          math::log(frequency / curve[i - 1][0]) / math::log(curve[i][0] / curve[i - 1][0]);
       const double low = std::max(curve[i - 1][1], 1e-12), high = std::max(curve[i][1], 1e-12);
-      return low * std::pow(high / low, x);
+      return low * math::pow(high / low, x);
     }
   return curve.back()[1];
 }
@@ -69,7 +70,7 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   board_shape_scale_ = 1 / std::sqrt(volume);
   compute_rates();
   find_resting_contacts();
-  const std::span<const std::complex<double>> all(rate);
+  const std::span<const Complex> all(rate);
   bank = ModeBank(all.first(audible_modes), settings.sample_rate, 1 + settings.voices,
                   settings.listeners, settings.vector_set);
   solver =
@@ -113,7 +114,7 @@ void BodyModel::refresh_listener_weights() noexcept {
 double BodyModel::loudest_weight(std::size_t k) const noexcept {
   double maximum = 0;
   for (std::size_t l = 0; l < settings.listeners; ++l)
-    maximum = std::max(maximum, std::abs(weight[l][k]));
+    maximum = std::max(maximum, math::abs(weight[l][k]));
   return maximum;
 }
 
@@ -158,17 +159,17 @@ void BodyModel::compute_rates() {
                                   : table.modes();
   const std::vector<double> factor =
       frequency_factors(table.sensitivity, table.frequency_hz, settings.shape_displacement_m);
-  std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
+  std::vector<std::pair<Complex, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
     const bool of_board = loaded->is_board_mode(k);
     double frequency =
         table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : frequency_ratio);
     if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
-      frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
+      frequency *= math::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
     const double omega = 2 * std::numbers::pi * frequency;
     // Damping is limited to just below critical, where a mode still oscillates.
     const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
-    const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
+    const Complex s(-decay, std::sqrt(omega * omega - decay * decay));
     if (frequency < highest && k < maximum)
       low.emplace_back(s, k);
     else if (frequency < kContactLimit)
@@ -188,7 +189,7 @@ void BodyModel::compute_rates() {
   scratch.assign(mode.size(), 0);
   scratch_state.assign(mode.size(), 0);
   scratch_level.assign(audible_modes, 0);
-  for (const std::complex<double>& s : rate) {
+  for (const Complex& s : rate) {
     const double x = std::min(0.5 * s.imag() / settings.sample_rate, 0.5 * std::numbers::pi);
     const double square = x * x;
     pulse_gain.push_back(1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120))));
@@ -206,9 +207,9 @@ std::vector<DirectKernels::Mode> BodyModel::direct_modes() const {
   std::vector<DirectKernels::Mode> modes;
   for (std::size_t i = 0; i < mode.size(); ++i)
     modes.push_back({rate[i], mode[i],
-                     i < audible_modes              ? Part::kRinging
-                     : std::abs(rate[i]) >= highest ? Part::kTooHigh
-                                                    : Part::kInaudible,
+                     i < audible_modes               ? Part::kRinging
+                     : math::abs(rate[i]) >= highest ? Part::kTooHigh
+                                                     : Part::kInaudible,
                      pulse_gain[i]});
   return modes;
 }
@@ -330,7 +331,7 @@ void BodyModel::compute_weights() {
         const SurfacePoint point = nearest(settings.listener[l]);
         gains(point, point.normal, gain);
       }
-      std::vector<std::complex<double>> velocity(audible_modes);
+      std::vector<Complex> velocity(audible_modes);
       for (std::size_t k = 0; k < audible_modes; ++k) // q' = Im(s z)/omega_d
         velocity[k] = -gain[k] * rate[k] / rate[k].imag();
       direct[l].build_velocity(modes, velocity, settings.sample_rate);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/modal/bank/mode_bank.hpp"
 #include "core/modal/body/events.hpp"
@@ -106,11 +107,11 @@ struct BodyModel {
   std::vector<std::size_t>
       index_of; ///< index in `mode` of each of the table's modes; mode.size(): left out
   std::size_t audible_modes = 0;
-  std::vector<std::complex<double>> rate;                              ///< rates of the modes in
-                                                                       ///< `mode`
-  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< weights of the audible
-                                                                       ///< modes
-  std::array<double, kMaxListeners> delay_s{};                         ///< delays of the delay line
+  std::vector<Complex> rate;                              ///< rates of the modes in
+                                                          ///< `mode`
+  std::array<std::vector<Complex>, kMaxListeners> weight; ///< weights of the audible
+                                                          ///< modes
+  std::array<double, kMaxListeners> delay_s{};            ///< delays of the delay line
   bool uses_recordings = false; ///< strikes play recordings (RawTable) instead of contacts
   std::array<RawListener, kMaxListeners> raw;
   /// The motion: in the solver while something touches the body, else in the bank, which is much
@@ -152,14 +153,14 @@ struct BodyModel {
   /// x/sin(x), x = omega/(2 fs), for each mode: compensates the low-pass sin(x)/x of pulses, whose
   /// samples are means of the force over a sample.
   std::vector<double> pulse_gain;
-  std::vector<std::uint8_t> band;                  ///< pulse_band() of `mode`
-  std::vector<double> scratch;                     ///< as long as `mode`
-  std::vector<double> scratch_level;               ///< [audible_modes]
-  std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
-  std::vector<std::complex<double>> bank_state;    ///< [audible_modes]
-  std::vector<double> a_weight;                    ///< A-weighting of the audible modes
-  std::vector<double> loudness; ///< loudness of the audible modes: A-weighted, at the loudest
-                                ///< listener
+  std::vector<std::uint8_t> band;     ///< pulse_band() of `mode`
+  std::vector<double> scratch;        ///< as long as `mode`
+  std::vector<double> scratch_level;  ///< [audible_modes]
+  std::vector<Complex> scratch_state; ///< as long as `mode`
+  std::vector<Complex> bank_state;    ///< [audible_modes]
+  std::vector<double> a_weight;       ///< A-weighting of the audible modes
+  std::vector<double> loudness;       ///< loudness of the audible modes: A-weighted, at the loudest
+                                      ///< listener
   /// An output of the contact solver: a listener, and one of its three gliding weights.
   struct ListenerPart {
     std::size_t listener = 0;
@@ -238,13 +239,13 @@ struct BodyModel {
   void refresh_listener_weights() noexcept;
 
 private:
-  [[nodiscard]] std::complex<double> pressed_state(std::size_t i) const noexcept;
-  [[nodiscard]] std::complex<double> deflection_ratio(std::size_t i, const BodyModel& before,
-                                                      std::size_t j) const noexcept;
-  [[nodiscard]] std::complex<double> sound_ratio(std::size_t i, const BodyModel& before,
-                                                 std::size_t j) const noexcept;
-  std::span<std::complex<double>> keep_states(const BodyModel& before, std::size_t count,
-                                              std::size_t old_count) noexcept;
+  [[nodiscard]] Complex pressed_state(std::size_t i) const noexcept;
+  [[nodiscard]] Complex deflection_ratio(std::size_t i, const BodyModel& before,
+                                         std::size_t j) const noexcept;
+  [[nodiscard]] Complex sound_ratio(std::size_t i, const BodyModel& before,
+                                    std::size_t j) const noexcept;
+  std::span<Complex> keep_states(const BodyModel& before, std::size_t count,
+                                 std::size_t old_count) noexcept;
   void continue_in_bank(BodyModel& before) noexcept;
   void continue_in_contact(BodyModel& before) noexcept;
   bool continue_by_shares(BodyModel& before) noexcept;
@@ -265,7 +266,7 @@ private:
   void compute_rates();
   void compute_weights();
 
-  std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< [audible_modes]
+  std::array<std::vector<Complex>, 3> scratch_weight_;                 ///< [audible_modes]
   std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< basis of a body on a
                                                                        ///< board
   double board_shape_scale_ = 1;

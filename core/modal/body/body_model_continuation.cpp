@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/modal/body/body_model.hpp"
 
 #include <algorithm>
@@ -41,17 +42,17 @@ void BodyModel::take_over_contact(std::size_t slot, const BodyModel& before, std
 
 /// The deflection of a mode of the present solver under the present contact forces, as a state z =
 /// -b F/s, limited to the part of it that the mode's state contains.
-std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
-  const std::complex<double> pressed = -solver.modal_force(i) / rate[i], z = scratch_state[i];
-  const double square = std::norm(pressed);
-  return square > 0 ? std::clamp((z * std::conj(pressed)).real() / square, 0.0, 1.0) * pressed
+Complex BodyModel::pressed_state(std::size_t i) const noexcept {
+  const Complex pressed = -solver.modal_force(i) / rate[i], z = scratch_state[i];
+  const double square = math::norm(pressed);
+  return square > 0 ? std::clamp((z * math::conj(pressed)).real() / square, 0.0, 1.0) * pressed
                     : 0.0;
 }
 
 /// Ratio of the deflection of mode i by a force to the deflection of the same mode in the earlier
 /// model, where its index is j.
-std::complex<double> BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
-                                                 std::size_t j) const noexcept {
+Complex BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
+                                    std::size_t j) const noexcept {
   const std::size_t part = loaded->is_board_mode(mode[i]) ? LoadedTable::kBoard : 0;
   return shape_scale_of(part) / before.shape_scale_of(part) * before.rate[j] / rate[i];
 }
@@ -65,8 +66,8 @@ void BodyModel::release_from(BodyModel& before) noexcept {
 }
 
 /// The states of another model's modes, from its scratch_state, in the order of this model's modes.
-std::span<std::complex<double>> BodyModel::keep_states(const BodyModel& before, std::size_t count,
-                                                       std::size_t old_count) noexcept {
+std::span<Complex> BodyModel::keep_states(const BodyModel& before, std::size_t count,
+                                          std::size_t old_count) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t j = before.index_of[mode[i]];
     scratch_state[i] = j < old_count ? before.scratch_state[j] : 0.0;
@@ -102,14 +103,14 @@ void BodyModel::take_over_rigid(const BodyModel& before) noexcept {
 
 /// Factor on an old weight with which the new state gives the old sound, so that the glide begins
 /// without a step. It is limited to the factor that the change of a pressed mode requires.
-std::complex<double> BodyModel::sound_ratio(std::size_t i, const BodyModel& before,
-                                            std::size_t j) const noexcept {
-  const std::complex<double> was = before.scratch_state[j], is = scratch_state[i];
-  if (was == is || std::norm(is) == 0)
+Complex BodyModel::sound_ratio(std::size_t i, const BodyModel& before,
+                               std::size_t j) const noexcept {
+  const Complex was = before.scratch_state[j], is = scratch_state[i];
+  if (was == is || math::norm(is) == 0)
     return 1;
-  const double largest = std::max(1.0, 1 / std::abs(deflection_ratio(i, before, j)));
-  const std::complex<double> ratio = was / is;
-  return ratio * std::min(1.0, largest / std::abs(ratio));
+  const double largest = std::max(1.0, 1 / math::abs(deflection_ratio(i, before, j)));
+  const Complex ratio = was / is;
+  return ratio * std::min(1.0, largest / math::abs(ratio));
 }
 
 void BodyModel::glide_from(BodyModel& before) noexcept {
@@ -152,8 +153,8 @@ bool BodyModel::continue_by_shares(BodyModel& before) noexcept {
   const auto states = std::span(scratch_state).first(count);
   std::fill(states.begin(), states.end(), 0.0);
   double total_energy = 0, lost_energy = 0; // twice the energies, J
-  for (const std::complex<double>& z : old_states)
-    total_energy += std::norm(z);
+  for (const Complex& z : old_states)
+    total_energy += math::norm(z);
   const auto for_shares = [&](auto&& work) {
     for (const ModeShare& s : loaded->share) {
       const std::size_t i = index_of[s.now], j = before.index_of[s.before];
@@ -166,7 +167,7 @@ bool BodyModel::continue_by_shares(BodyModel& before) noexcept {
   for_shares(
       [&](std::size_t i, std::size_t j, double share) { old_states[j] -= share * states[i]; });
   for (std::size_t j = 0; j < before.audible_modes; ++j)
-    lost_energy += std::norm(before.scratch_state[j]);
+    lost_energy += math::norm(before.scratch_state[j]);
   if (in_solver) {
     solver.write_states(states);
     take_over_rigid(before);

@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/modal/body/body_model.hpp"
 
 #include <algorithm>
@@ -37,15 +38,15 @@ void BodyModel::leave_contact(double gain, double cull_db) noexcept {
   }
   double loudest = 0, strongest = 0;
   for (std::size_t k = 0; k < audible_modes; ++k) { // squared loudness
-    scratch[k] = loudness[k] * loudness[k] * std::norm(states[k]);
+    scratch[k] = loudness[k] * loudness[k] * math::norm(states[k]);
     loudest = std::max(loudest, scratch[k]);
-    strongest = std::max(strongest, std::norm(states[k]));
+    strongest = std::max(strongest, math::norm(states[k]));
   }
   // A mode that the listeners do not hear may still move the surface under the next striker.
-  const double share = std::pow(10, -cull_db / 10);
+  const double share = math::exp10(-cull_db / 10);
   culled = 0;
   for (std::size_t k = 0; k < audible_modes; ++k)
-    if (scratch[k] < share * loudest && std::norm(states[k]) < share * strongest) {
+    if (scratch[k] < share * loudest && math::norm(states[k]) < share * strongest) {
       ++culled;
       states[k] = 0;
     }
@@ -86,7 +87,7 @@ bool BodyModel::has_settled(double gain) const noexcept {
   const double threshold = std::max(kEnergyShare * stored, kMinEnergy) * gain_ratio * gain_ratio;
   double energy = solver.rigid_energy();
   for (std::size_t k = 0; k < mode.size() && energy <= threshold; ++k)
-    energy += 0.5 * std::norm(solver.state(k));
+    energy += 0.5 * math::norm(solver.state(k));
   return energy <= threshold;
 }
 

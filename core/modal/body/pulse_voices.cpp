@@ -1,5 +1,7 @@
 #include "core/modal/body/pulse_voices.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -30,7 +32,7 @@ bool PulseVoices::strike(std::size_t slot, const Strike& strike, double max_mass
     level[k] = std::abs(gain[k]) * envelope[body.band[k]] * body.loudness[k];
     loudest = std::max(loudest, level[k]);
   }
-  const double minimum = loudest * std::pow(10, -cull_db / 20);
+  const double minimum = loudest * math::exp10(-cull_db / 20);
   body.culled = 0;
   for (std::size_t k = 0; k < body.audible_modes; ++k)
     if (level[k] < minimum) {
@@ -61,7 +63,7 @@ void PulseVoices::begin_chunk(const BodyModel& body, std::span<float> contact) n
       continue;
     // Each sample holds the mean force of its interval, so that the impulse is exact.
     const auto passed = [&](double t) {
-      return 0.5 * (1 - std::cos(std::numbers::pi * std::min(t / voice.pulse.duration_s, 1.0)));
+      return 0.5 * (1 - math::cos(std::numbers::pi * std::min(t / voice.pulse.duration_s, 1.0)));
     };
     for (std::size_t n = 0; n < contact.size(); ++n) {
       const double next = voice.age_s + 1 / rate;

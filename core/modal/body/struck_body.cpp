@@ -1,5 +1,7 @@
 #include "core/modal/body/struck_body.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -104,9 +106,9 @@ std::vector<double> StruckBody::levels(std::size_t limit) {
   for (std::size_t k = 0; k < model_->audible_modes; ++k) {
     const double output = model_->loudest_weight(k);
     const double size =
-        std::abs(model_->in_solver ? model_->solver.state(k) : model_->bank.state(k));
-    found.emplace_back(std::abs(model_->rate[k]),
-                       std::max(20 * std::log10(size * output * options_.gain + 1e-12), -120.0));
+        math::abs(model_->in_solver ? model_->solver.state(k) : model_->bank.state(k));
+    found.emplace_back(math::abs(model_->rate[k]),
+                       std::max(20 * math::log10(size * output * options_.gain + 1e-12), -120.0));
   }
   std::sort(found.begin(), found.end());
   std::vector<double> levels;

@@ -1,5 +1,7 @@
 #include "core/modal/contact/contact_modes.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,7 @@ namespace {
 
 template <class T> class ModesOf final : public ContactModes {
 public:
-  ModesOf(std::span<const std::complex<double>> rate, double sample_rate, unsigned max_steps,
+  ModesOf(std::span<const Complex> rate, double sample_rate, unsigned max_steps,
           std::size_t contacts, std::size_t listeners, VectorSet widest)
       : kernel_(contact_kernels(widest).of<T>()), modes_(rate.size()), max_steps_(max_steps),
         alpha_(modes_, 0), omega_(modes_, 1), inverse_omega_(modes_, 1), inverse_square_(modes_, 1),
@@ -32,9 +34,9 @@ public:
       // exp(x + j y) - 1 without cancellation
       const double x = rate[k].real() / (sample_rate * max_steps);
       const double y = rate[k].imag() / (sample_rate * max_steps);
-      const double half = std::sin(0.5 * y);
-      finest_.real[k] = std::expm1(x) - 2 * std::exp(x) * half * half;
-      finest_.imaginary[k] = std::exp(x) * std::sin(y);
+      const double half = math::sin(0.5 * y);
+      finest_.real[k] = math::expm1(x) - 2 * math::exp(x) * half * half;
+      finest_.imaginary[k] = math::exp(x) * math::sin(y);
     }
     for (Slot& slot : slots_) {
       slot.gain = slot.displacement_gain = LaneArray<T>(modes_);
@@ -170,8 +172,7 @@ public:
     return kernel_->sum(slots_[slot].gain.data(), state_.real.data(), padded_);
   }
 
-  void set_weight(std::size_t listener,
-                  std::span<const std::complex<double>> weight) noexcept override {
+  void set_weight(std::size_t listener, std::span<const Complex> weight) noexcept override {
     if (listener >= weights_.size())
       return;
     for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
@@ -193,7 +194,7 @@ public:
     return kernel_->output(pickups_[listener], std::as_const(state_).view(), padded_);
   }
 
-  [[nodiscard]] double output(std::span<const std::complex<double>> w) noexcept override {
+  [[nodiscard]] double output(std::span<const Complex> w) noexcept override {
     flush_pending();
     double sum = 0;
     for (std::size_t k = 0; k < std::min(w.size(), modes_); ++k)
@@ -215,16 +216,14 @@ public:
                           });
   }
 
-  [[nodiscard]] std::complex<double> state(std::size_t k) const noexcept override {
-    std::complex<double> z(static_cast<double>(state_.real[k]),
-                           static_cast<double>(state_.imaginary[k]));
+  [[nodiscard]] Complex state(std::size_t k) const noexcept override {
+    Complex z(static_cast<double>(state_.real[k]), static_cast<double>(state_.imaginary[k]));
     if (pending_slot_ >= slots_.size())
       return z;
     const Split<T>& input = slots_[pending_slot_].input_gain;
-    const std::complex<double> b(static_cast<double>(input.real[k]),
-                                 static_cast<double>(input.imaginary[k]));
-    const std::complex<double> t(static_cast<double>(pole_minus_one_.real[k]),
-                                 static_cast<double>(pole_minus_one_.imaginary[k]));
+    const Complex b(static_cast<double>(input.real[k]), static_cast<double>(input.imaginary[k]));
+    const Complex t(static_cast<double>(pole_minus_one_.real[k]),
+                    static_cast<double>(pole_minus_one_.imaginary[k]));
     for (std::size_t j = 0; j < pass_.pending; ++j) {
       if (j > 0)
         z += t * z;
@@ -232,18 +231,18 @@ public:
     }
     return z;
   }
-  void set_state(std::size_t k, std::complex<double> z) noexcept override {
+  void set_state(std::size_t k, Complex z) noexcept override {
     flush_pending();
     outputs_valid_ = false;
     state_.real[k] = static_cast<T>(z.real());
     state_.imaginary[k] = static_cast<T>(z.imag());
   }
-  void read_states(std::span<std::complex<double>> z) noexcept override {
+  void read_states(std::span<Complex> z) noexcept override {
     flush_pending();
     for (std::size_t k = 0; k < std::min(z.size(), modes_); ++k)
       z[k] = {static_cast<double>(state_.real[k]), static_cast<double>(state_.imaginary[k])};
   }
-  void write_states(std::span<const std::complex<double>> z) noexcept override {
+  void write_states(std::span<const Complex> z) noexcept override {
     silence();
     for (std::size_t k = 0; k < std::min(z.size(), modes_); ++k) {
       state_.real[k] = static_cast<T>(z[k].real());
@@ -374,10 +373,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<ContactModes> ContactModes::make(std::span<const std::complex<double>> rate,
-                                                 double sample_rate, unsigned max_steps,
-                                                 std::size_t contacts, std::size_t listeners,
-                                                 VectorSet widest) {
+std::unique_ptr<ContactModes> ContactModes::make(std::span<const Complex> rate, double sample_rate,
+                                                 unsigned max_steps, std::size_t contacts,
+                                                 std::size_t listeners, VectorSet widest) {
   if (rate.size() <= kMaxModesInDouble)
     return std::make_unique<ModesOf<double>>(rate, sample_rate, max_steps, contacts, listeners,
                                              widest);

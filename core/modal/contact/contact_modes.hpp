@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/contact/contact_kernel.hpp"
 
-#include <complex>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -25,8 +25,8 @@ public:
   /// Allocates. `rate`: s of the modes in 1/s. `max_steps`: the largest number of steps in a
   /// sample, a power of 2. `contacts`, `listeners`: the number of slots.
   [[nodiscard]] static std::unique_ptr<ContactModes>
-  make(std::span<const std::complex<double>> rate, double sample_rate, unsigned max_steps,
-       std::size_t contacts, std::size_t listeners, VectorSet widest = simd::kWidest);
+  make(std::span<const Complex> rate, double sample_rate, unsigned max_steps, std::size_t contacts,
+       std::size_t listeners, VectorSet widest = simd::kWidest);
   virtual ~ContactModes() = default;
 
   /// Sets the number of steps in a sample, a power of 2 up to `max_steps`.
@@ -62,21 +62,20 @@ public:
   /// The sum of b (q' + alpha q) at a contact point, m/s: its velocity apart from the decay term.
   [[nodiscard]] virtual double velocity(std::size_t slot) noexcept = 0;
   /// Sets a listener's weights w, Pa s/(m sqrt(kg)).
-  virtual void set_weight(std::size_t listener,
-                          std::span<const std::complex<double>> weight) noexcept = 0;
+  virtual void set_weight(std::size_t listener, std::span<const Complex> weight) noexcept = 0;
   /// From now on only the first `listeners` outputs are computed.
   virtual void set_listening(std::size_t listeners) noexcept = 0;
   /// The sum over the modes of Im(w z).
   [[nodiscard]] virtual double output(std::size_t listener) noexcept = 0;
   /// The sum over the modes of Im(w z) with weights that are not set; slower.
-  [[nodiscard]] virtual double output(std::span<const std::complex<double>> weight) noexcept = 0;
+  [[nodiscard]] virtual double output(std::span<const Complex> weight) noexcept = 0;
   /// An impulse in N s on all modes at once, by float gains b.
   virtual void apply_impulse(std::span<const float> gain, double impulse) noexcept = 0;
-  [[nodiscard]] virtual std::complex<double> state(std::size_t mode) const noexcept = 0;
-  virtual void set_state(std::size_t mode, std::complex<double> z) noexcept = 0;
+  [[nodiscard]] virtual Complex state(std::size_t mode) const noexcept = 0;
+  virtual void set_state(std::size_t mode, Complex z) noexcept = 0;
   /// Read or write all states, or the first ones. Writing sets the other states to zero.
-  virtual void read_states(std::span<std::complex<double>> z) noexcept = 0;
-  virtual void write_states(std::span<const std::complex<double>> z) noexcept = 0;
+  virtual void read_states(std::span<Complex> z) noexcept = 0;
+  virtual void write_states(std::span<const Complex> z) noexcept = 0;
   virtual void silence() noexcept = 0;
 
   /// Upper bounds of the motion of a contact point while no force acts: the sums of all modes'

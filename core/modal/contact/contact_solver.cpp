@@ -1,5 +1,7 @@
 #include "core/modal/contact/contact_solver.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -29,7 +31,7 @@ constexpr double kMaxContactDurations = 8; // durations after which a striker un
 
 } // namespace
 
-ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
+ContactSolver::ContactSolver(std::span<const Complex> rate, double sample_rate,
                              std::size_t contacts, bool rigid, std::size_t listeners,
                              VectorSet widest)
     : sample_rate_(sample_rate), has_rigid_(rigid), modes_(rate.size()), alpha_(modes_, 0),
@@ -467,7 +469,7 @@ void ContactSolver::apply_impulse(std::span<const float> gain, double impulse) n
 double ContactSolver::energy() const noexcept {
   double sum = 0;
   for (std::size_t k = 0; k < modes_; ++k) {
-    const std::complex<double> z = state(k);
+    const Complex z = state(k);
     const double q = z.imag() / omega_[k];
     const double speed = z.real() - alpha_[k] * q;
     const double stiffness = omega_[k] * omega_[k] + alpha_[k] * alpha_[k];

@@ -2,11 +2,11 @@
 
 #include "core/contact/contact_system.hpp"
 #include "core/contact/exciter.hpp"
+#include "core/dsp/complex.hpp"
 #include "core/modal/contact/contact_modes.hpp"
 #include "core/modal/radiation/direct_sound.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -35,9 +35,8 @@ public:
 
   /// Allocates. `rate`: s of all modes in 1/s, also of those too high to be heard. `contacts`,
   /// `listeners`: the number of slots. `rigid`: the body is free to recoil.
-  ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                std::size_t contacts, bool rigid, std::size_t listeners = 0,
-                VectorSet widest = simd::kWidest);
+  ContactSolver(std::span<const Complex> rate, double sample_rate, std::size_t contacts, bool rigid,
+                std::size_t listeners = 0, VectorSet widest = simd::kWidest);
 
   /// A striker in flight, or a hand (held).
   struct Strike {
@@ -130,11 +129,11 @@ public:
       rigid_velocity_[r] += gain[r] * impulse;
   }
   /// The sum over the modes of Im(w z).
-  [[nodiscard]] double output(std::span<const std::complex<double>> weight) noexcept {
+  [[nodiscard]] double output(std::span<const Complex> weight) noexcept {
     return contact_modes_->output(weight);
   }
   /// The sum over the modes of Im(w z) with weights that are set beforehand; faster.
-  void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
+  void set_weight(std::size_t listener, std::span<const Complex> weight) noexcept {
     contact_modes_->set_weight(listener, weight);
   }
   void set_listening(std::size_t listeners) noexcept { contact_modes_->set_listening(listeners); }
@@ -157,18 +156,14 @@ public:
   /// Projects the present rigid motions.
   void project_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
 
-  [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
+  [[nodiscard]] Complex state(std::size_t mode) const noexcept {
     return contact_modes_->state(mode);
   }
-  void set_state(std::size_t mode, std::complex<double> z) noexcept {
-    contact_modes_->set_state(mode, z);
-  }
+  void set_state(std::size_t mode, Complex z) noexcept { contact_modes_->set_state(mode, z); }
   /// Reads all states, or the first ones.
-  void read_states(std::span<std::complex<double>> z) noexcept { contact_modes_->read_states(z); }
+  void read_states(std::span<Complex> z) noexcept { contact_modes_->read_states(z); }
   /// Writes all states, or the first ones; the others become zero.
-  void write_states(std::span<const std::complex<double>> z) noexcept {
-    contact_modes_->write_states(z);
-  }
+  void write_states(std::span<const Complex> z) noexcept { contact_modes_->write_states(z); }
   void reset_rigid() noexcept {
     rigid_displacement_.fill(0);
     rigid_velocity_.fill(0);

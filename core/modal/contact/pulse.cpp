@@ -1,5 +1,7 @@
 #include "core/modal/contact/pulse.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -68,7 +70,7 @@ double pulse_band_begin(std::size_t band) noexcept {
 
 double Pulse::spectrum(double radians) noexcept {
   const double x = radians / std::numbers::pi, denominator = 1 - x * x;
-  return std::abs(denominator) > 1e-6 ? std::cos(0.5 * radians) / denominator
+  return std::abs(denominator) > 1e-6 ? math::cos(0.5 * radians) / denominator
                                       : std::numbers::pi / 4;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/contact/impact.hpp"
+#include "core/dsp/complex.hpp"
 
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,11 +32,11 @@ struct Pulse {
 
 /// The body at the point where it is struck.
 struct StruckPoint {
-  std::span<const double> gain;               ///< b of all modes, 1/sqrt(kg)
-  std::span<const std::complex<double>> rate; ///< s of all modes, 1/s
-  double rigid_mobility_per_kg = 0;           ///< sum of b^2 of a free body's rigid motions
-  double compliance_m_per_n = 0;              ///< compliance of the modes that the table omits
-  std::span<const std::uint8_t> band{};       ///< pulse_band() of each mode; empty: computed here
+  std::span<const double> gain;         ///< b of all modes, 1/sqrt(kg)
+  std::span<const Complex> rate;        ///< s of all modes, 1/s
+  double rigid_mobility_per_kg = 0;     ///< sum of b^2 of a free body's rigid motions
+  double compliance_m_per_n = 0;        ///< compliance of the modes that the table omits
+  std::span<const std::uint8_t> band{}; ///< pulse_band() of each mode; empty: computed here
 };
 
 /// The band of an angular frequency: one of 128 bands, four to the octave. Summing modes by bands

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -44,8 +46,8 @@ struct BandLimit {
     if (!(std::abs(x) < 1))
       return 0;
     const double phase = std::numbers::pi * t;
-    const double sinc = std::abs(phase) < 1e-9 ? 1 : std::sin(phase) / phase;
-    return sinc * bessel_i0(beta_ * std::sqrt(1 - x * x)) / bessel_i0(beta_);
+    const double sinc = std::abs(phase) < 1e-9 ? 1 : math::sin(phase) / phase;
+    return sinc * math::bessel_i0(beta_ * std::sqrt(1 - x * x)) / math::bessel_i0(beta_);
   }
 
 private:
@@ -57,15 +59,6 @@ private:
               kernel(static_cast<double>(n) + kNode[m] -
                      (static_cast<double>(r) - 1) / static_cast<double>(kBins) -
                      static_cast<double>(kLatency));
-  }
-  /// Modified Bessel function of the first kind and order 0, by its power series.
-  [[nodiscard]] static double bessel_i0(double x) noexcept {
-    double sum = 1, term = 1;
-    for (int k = 1; term > 1e-17 * sum; ++k) {
-      term *= x * x / (4.0 * k * k);
-      sum += term;
-    }
-    return sum;
   }
   double beta_; ///< shape parameter of Kaiser's window
 };

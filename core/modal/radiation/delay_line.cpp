@@ -1,5 +1,7 @@
 #include "core/modal/radiation/delay_line.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,23 +12,14 @@ namespace {
 constexpr double kBeta = 5.5;
 constexpr std::size_t kWindowSteps = 2048;
 
-/// Modified Bessel function of the first kind, order 0, by its series.
-double bessel_i0(double x) {
-  double term = 1, sum = 1;
-  for (int n = 1; term > 1e-17 * sum; ++n) {
-    term *= 0.25 * x * x / (n * n);
-    sum += term;
-  }
-  return sum;
-}
-
 /// Kaiser's window from its middle to its end.
 class Window {
 public:
   Window() {
     for (std::size_t i = 0; i < value_.size(); ++i) {
       const double u = static_cast<double>(i) / kWindowSteps;
-      value_[i] = bessel_i0(kBeta * std::sqrt(std::max(1 - u * u, 0.0))) / bessel_i0(kBeta);
+      value_[i] =
+          math::bessel_i0(kBeta * std::sqrt(std::max(1 - u * u, 0.0))) / math::bessel_i0(kBeta);
     }
   }
   /// u in [0, 1]
@@ -54,7 +47,7 @@ DelayLine::Kernel::Kernel(double delay) noexcept {
   newest = whole + 1 - half;
   count = 2 * half;
   // sin(pi t) is sin(pi x) with alternating sign.
-  const double sine = std::sin(std::numbers::pi * x) / std::numbers::pi;
+  const double sine = math::sin(std::numbers::pi * x) / std::numbers::pi;
   const double scale = 1 / static_cast<double>(half);
   std::array<double, 2 * kHalf> exact;
   double sum = 0;

@@ -1,13 +1,13 @@
 #include "core/modal/radiation/direct_sound.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace tactus::modal {
 namespace {
-
-using Complex = std::complex<double>;
 
 constexpr std::size_t kNodes = BandLimit::kNodes, kGauss = BandLimit::kGauss;
 constexpr double kHighDecay = 0.3;    // Np per sample, smallest decay of modes too high for the
@@ -36,13 +36,13 @@ std::array<Complex, kGauss> exponential_moments(Complex s) noexcept {
   for (std::size_t panel = 0; panel < kPanels; ++panel)
     for (std::size_t m = 0; m < kGauss; ++m) {
       const double v = (static_cast<double>(panel) + BandLimit::kNode[1 + m]) / kPanels;
-      const Complex part = BandLimit::kGaussWeight[m] / kPanels * std::exp(s * (1 - v));
+      const Complex part = BandLimit::kGaussWeight[m] / kPanels * math::exp(s * (1 - v));
       for (std::size_t j = 0; j < kGauss; ++j)
         sum[j] += low_legendre(j, 2 * v - 1) * part;
     }
-  if (std::abs(s) > 0.1) // the mean in closed form, which must cancel the bank's response to
-                         // constant forces
-    sum[0] = (std::exp(s) - 1.0) / s;
+  if (math::abs(s) > 0.1) // the mean in closed form, which must cancel the bank's response to
+                          // constant forces
+    sum[0] = (math::exp(s) - 1.0) / s;
   return sum;
 }
 
@@ -177,16 +177,16 @@ void DirectKernels::compute_mode(const Arrivals& arrivals, const Mode& mode, dou
   arrivals.find(mode.motion, std::span(pressure).first(arrived * kNodes));
   const bool in_bank = mode.part == Mode::Part::kRinging;
   Complex s = mode.rate / sample_rate;
-  const double square = std::norm(s);
+  const double square = math::norm(s);
   if (!in_bank && -s.real() < kHighDecay) // its own oscillation is inaudible
     s = {-kHighDecay, std::sqrt(std::max(square - kHighDecay * kHighDecay, 1e-3))};
-  const double alpha = -s.real(), omega = s.imag(), stiffness = std::norm(s);
-  const Complex pole = std::exp(s);
+  const double alpha = -s.real(), omega = s.imag(), stiffness = math::norm(s);
+  const Complex pole = math::exp(s);
   const auto shape = exponential_moments(s);
   integrate_motion(pole, shape);
   Complex weight = 0;
   if (in_bank && alpha * static_cast<double>(arrived) <= kMaxDecay)
-    weight = s * s / omega * motion[arrived] * std::exp(-s * static_cast<double>(arrived));
+    weight = s * s / omega * motion[arrived] * math::exp(-s * static_cast<double>(arrived));
   if (in_bank)
     weight_.push_back(weight * sample_rate);
   Complex ring = weight;
@@ -246,7 +246,7 @@ void DirectKernels::build_velocity(std::span<const Mode> modes, std::span<const 
   moments_.assign(modes.size(), 0);
   for (std::size_t k = 0; k < weight.size(); ++k)
     samples_[k] = static_cast<float>(
-        -(weight[k] / (1.0 - std::exp(modes[k].rate / sample_rate))).imag() / sample_rate);
+        -(weight[k] / (1.0 - math::exp(modes[k].rate / sample_rate))).imag() / sample_rate);
 }
 
 namespace {
@@ -322,7 +322,7 @@ void DirectSound::prepare(double sample_rate) {
       line.end = 0;
     }
   // Bilinear transform.
-  const double k = std::tan(std::numbers::pi * kSuspensionHz / sample_rate);
+  const double k = math::tan(std::numbers::pi * kSuspensionHz / sample_rate);
   const double scale = 1 / (1 + std::numbers::sqrt2 * k + k * k);
   suspension_ = {scale, -2 * scale, scale, 2 * (k * k - 1) * scale,
                  (1 - std::numbers::sqrt2 * k + k * k) * scale};

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/bank/mode_bank.hpp"
 #include "core/modal/radiation/arrivals.hpp"
 #include "core/modal/table/modal_table.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -54,8 +54,8 @@ public:
   static constexpr double kMaxDecay = 3;
 
   struct Mode {
-    std::complex<double> rate; ///< 1/s
-    std::size_t motion;        ///< index of the motion in Arrivals
+    Complex rate;       ///< 1/s
+    std::size_t motion; ///< index of the motion in Arrivals
     enum class Part {
       kRinging,  ///< a mode in the bank
       kTooHigh,  ///< a mode above the bank's limit, which follows the force quasi-statically
@@ -90,11 +90,11 @@ public:
   }
   /// For a listener without arrivals, whose signal is a velocity Im(w z): one tap, which makes a
   /// constant force silent.
-  void build_velocity(std::span<const Mode> modes, std::span<const std::complex<double>> weight,
+  void build_velocity(std::span<const Mode> modes, std::span<const Complex> weight,
                       double sample_rate);
 
   /// Weights w of the modes in the bank, Pa s/(m sqrt(kg)).
-  [[nodiscard]] const std::vector<std::complex<double>>& weight() const noexcept { return weight_; }
+  [[nodiscard]] const std::vector<Complex>& weight() const noexcept { return weight_; }
   [[nodiscard]] std::size_t taps() const noexcept { return taps_; }
   /// The number of moments of a force that are used.
   [[nodiscard]] std::size_t moments() const noexcept { return moment_count_; }
@@ -119,22 +119,21 @@ private:
   void compute_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate, float* samples,
                     float* moments);
   /// The states of a mode of pole p at the samples, driven by its arrivals.
-  void integrate_motion(std::complex<double> pole,
-                        const std::array<std::complex<double>, 4>& shape) noexcept;
+  void integrate_motion(Complex pole, const std::array<Complex, 4>& shape) noexcept;
   void sum_over_modes(const Arrivals& arrivals, std::span<const Mode> modes, double sample_rate,
                       const SurfaceShapes& shapes);
   void add_rigid(const Arrivals& arrivals, std::size_t motion, std::vector<double>& pressure);
 
   std::size_t taps_ = 0, moment_count_ = 1;
   bool on_surface_ = false;
-  std::vector<std::complex<double>> weight_;
+  std::vector<Complex> weight_;
   /// [row][taps], [row][moments][taps]; rows are modes, or x, y and z of vertices.
   std::vector<float> samples_, moments_;
   std::vector<float> pulses_; ///< as samples_, for vertices, every mode times its pulse_gain
   std::vector<float> rigid_samples_, rigid_moments_; ///< the same for the rigid motions
   std::vector<double> pressure_;                     ///< pressure of a mode, while the kernels are
                                                      ///< built
-  std::vector<std::complex<double>> motion_;
+  std::vector<Complex> motion_;
 };
 
 /// The kernels from one force to one listener, with room for the largest.

@@ -1,5 +1,7 @@
 #include "core/modal/radiation/multipole.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,7 +9,7 @@
 namespace tactus::modal {
 namespace {
 
-using Complex = std::complex<double>;
+Complex widened(std::complex<float> z) noexcept { return {z.real(), z.imag()}; }
 
 /// Orthonormal associated Legendre functions with Condon and Shortley's phase: [l (l + 1)/2 + m].
 std::vector<double> legendre(std::size_t highest, double cosine) {
@@ -35,7 +37,7 @@ std::vector<double> legendre(std::size_t highest, double cosine) {
 
 std::vector<Complex> spherical_hankel(std::size_t max_degree, double x) {
   std::vector<Complex> h(max_degree + 1);
-  const Complex wave = std::polar(1.0, -x);
+  const Complex wave = math::polar(1.0, -x);
   h[0] = Complex(0, 1) * wave / x;
   if (max_degree > 0)
     h[1] = wave * (Complex(0, 1) / (x * x) - 1.0 / x);
@@ -48,7 +50,7 @@ MultipoleDirection::MultipoleDirection(const ModalTable& table, const Vec3& dire
     : poles_(&table.multipoles) {
   const double length = norm(direction);
   const double cosine = length > 0 ? std::clamp(direction.z / length, -1.0, 1.0) : 1;
-  const double azimuth = std::atan2(direction.y, direction.x);
+  const double azimuth = math::atan2(direction.y, direction.x);
   std::int32_t max_degree = 0;
   for (const auto* const degrees : {&poles_->highest_degree, &poles_->band.highest_degree})
     for (const std::int32_t degree : *degrees)
@@ -58,7 +60,7 @@ MultipoleDirection::MultipoleDirection(const ModalTable& table, const Vec3& dire
     for (std::int32_t m = -l; m <= l; ++m) {
       const double sign = m < 0 && m % 2 != 0 ? -1 : 1;
       harmonic_.push_back(
-          std::polar(1.0, m * azimuth) *
+          math::polar(1.0, m * azimuth) *
           (sign * polynomial[static_cast<std::size_t>(l * (l + 1) / 2 + std::abs(m))]));
     }
 }
@@ -78,8 +80,8 @@ std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) co
   for (std::size_t l = 0; l <= degree; ++l)
     for (std::size_t j = 0; j <= 2 * l; ++j) {
       const std::size_t at = static_cast<std::size_t>(poles_->offset[mode]) + l * l + j;
-      const Complex a(poles_->coefficients[left * total + at]);
-      const Complex b(poles_->coefficients[right * total + at]);
+      const Complex a = widened(poles_->coefficients[left * total + at]);
+      const Complex b = widened(poles_->coefficients[right * total + at]);
       sums[l] += (a + part * (b - a)) * harmonic_[l * l + j];
     }
   return sums;
@@ -95,7 +97,7 @@ std::vector<Complex> MultipoleDirection::band_sums(std::size_t mode, std::size_t
   for (std::size_t l = 0; l <= degree; ++l) {
     Complex sum = 0;
     for (std::size_t j = 0; j <= 2 * l; ++j)
-      sum += Complex(c[l * l + j]) * harmonic_[l * l + j];
+      sum += widened(c[l * l + j]) * harmonic_[l * l + j];
     sums[l] = sum;
   }
   return sums;
@@ -129,10 +131,10 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
       // If the Hankel functions overflow, only the near field is left.
       sum += sums[l] * (std::isfinite(spread.real()) && std::isfinite(spread.imag())
                             ? spread
-                            : Complex(std::pow(reference / distance, static_cast<double>(l) + 1)));
+                            : Complex(math::pow(reference / distance, static_cast<double>(l) + 1)));
     }
     // The delay line holds the delay from the reference sphere to the listener.
-    const Complex advance = std::polar(1.0, wavenumber * (distance - reference));
+    const Complex advance = math::polar(1.0, wavenumber * (distance - reference));
     out.pressure[i] = scene.shape_scale * scene.air_density_kg_per_m3 /
                       table.air_density_kg_per_m3 * sum * advance;
   }

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/radiation/radiation.hpp"
 
-#include <complex>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -12,7 +12,7 @@ namespace tactus::modal {
 
 /// Spherical Hankel functions of the second kind h_l(x), l = 0 ... max_degree, by upward recursion,
 /// which is stable for functions that grow with the degree.
-[[nodiscard]] std::vector<std::complex<double>> spherical_hankel(std::size_t max_degree, double x);
+[[nodiscard]] std::vector<Complex> spherical_hankel(std::size_t max_degree, double x);
 
 /// The angular part of a table's multipole series in one direction from the centre.
 class MultipoleDirection {
@@ -20,14 +20,13 @@ public:
   MultipoleDirection(const ModalTable& table, const Vec3& direction);
   /// The sum over m of c_lm Y_lm(direction) for each degree l of a mode. `ratio`: the present
   /// frequency over the table's; coefficients are interpolated between the table's ratios.
-  [[nodiscard]] std::vector<std::complex<double>> sums(std::size_t mode, double ratio) const;
+  [[nodiscard]] std::vector<Complex> sums(std::size_t mode, double ratio) const;
   /// The same sums at one of the frequencies of MultipoleTable::Band.
-  [[nodiscard]] std::vector<std::complex<double>> band_sums(std::size_t mode,
-                                                            std::size_t frequency) const;
+  [[nodiscard]] std::vector<Complex> band_sums(std::size_t mode, std::size_t frequency) const;
 
 private:
   const MultipoleTable* poles_;
-  std::vector<std::complex<double>> harmonic_; ///< Y_lm at l^2 + l + m
+  std::vector<Complex> harmonic_; ///< Y_lm at l^2 + l + m
 };
 
 /// One translation of a free body as a source of sound: a rigid sphere of the same dipole moment.

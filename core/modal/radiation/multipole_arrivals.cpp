@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/modal/radiation/multipole.hpp"
 
 #include <algorithm>
@@ -9,8 +10,6 @@
 
 namespace tactus::modal {
 namespace {
-
-using Complex = std::complex<double>;
 
 using std::numbers::pi;
 constexpr double kDecay = 9;      // length of a sphere's transients in units of a/c
@@ -29,7 +28,7 @@ double band_limit_transfer(const BandLimit& band, double turn) {
   double sum = 1;
   for (int i = 1; i < kSteps * static_cast<int>(BandLimit::kHalfWidth); ++i) {
     const double t = static_cast<double>(i) / kSteps;
-    sum += 2 * band.kernel(t) * std::cos(turn * t);
+    sum += 2 * band.kernel(t) * math::cos(turn * t);
   }
   return sum / kSteps;
 }
@@ -81,8 +80,8 @@ public:
     const double x = omega / c * radius_;
     const auto h = spherical_hankel(sums.size(), x);
     // The octave's filter j omega tau/(1 + j omega tau) that is nearest to the mode.
-    const int octave = static_cast<int>(std::lround(std::log2(omega)));
-    const double at = omega * std::exp2(-octave);
+    const int octave = static_cast<int>(std::lround(math::log2(omega)));
+    const double at = omega * math::exp2(-octave);
     const Complex turned = Complex(0, at) / Complex(1, at);
     for (std::size_t l = 0; l < sums.size(); ++l) {
       // p = -j rho c v h_l(k r)/h_l'(k a); the table holds p on the sphere.
@@ -134,8 +133,8 @@ private:
       const auto h = spherical_hankel(degrees, x[i]);
       for (std::size_t l = 0; l < degrees; ++l) {
         const Complex v = velocity[i][l] * Complex(0, 1) * slope(h, l, x[i]) / h[l] *
-                          std::polar(scene_.shape_scale / (table_.air_density_kg_per_m3 * c),
-                                     kTravelRadii * x[i]);
+                          math::polar(scene_.shape_scale / (table_.air_density_kg_per_m3 * c),
+                                      kTravelRadii * x[i]);
         velocity[i][l] = std::isfinite(v.real()) && std::isfinite(v.imag()) ? v : 0.0;
       }
     }
@@ -145,7 +144,7 @@ private:
       const Interpolation between(x, at);
       for (std::size_t l = 0; l < degrees; ++l)
         transfer[i] += between.value(velocity, l) * waves(l)[i];
-      transfer[i] *= std::polar(1.0, -kTravelRadii * at);
+      transfer[i] *= math::polar(1.0, -kTravelRadii * at);
     }
     transform(transfer, pressure);
     correct_low_frequencies(transfer, pressure);
@@ -170,12 +169,12 @@ private:
     for (std::size_t i = 0; i < nodes; ++i) {
       const std::size_t m = i % BandLimit::kNodes;
       const double at = static_cast<double>(i / BandLimit::kNodes) + BandLimit::kNode[m];
-      const Complex wave = std::polar(
+      const Complex wave = math::polar(
           1.0, turn * (at - static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples));
-      shape[i] = 0.5 * (1 - std::cos(2 * pi * at / static_cast<double>(samples_))) * wave;
+      shape[i] = 0.5 * (1 - math::cos(2 * pi * at / static_cast<double>(samples_))) * wave;
       if (m == 0)
         continue;
-      const Complex part = BandLimit::kGaussWeight[m - 1] * std::conj(wave);
+      const Complex part = BandLimit::kGaussWeight[m - 1] * math::conj(wave);
       of_cosine += shape[i].real() * part;
       of_sine += shape[i].imag() * part;
       missing -= out[i] * part;
@@ -210,7 +209,7 @@ private:
             (static_cast<double>(n) + BandLimit::kNode[m]) / static_cast<double>(samples_);
         LowFrequencyFit::Shapes& shape = fit.shape.emplace_back();
         for (std::size_t q = 0; q < LowFrequencyFit::kSmooth; ++q)
-          shape[q] = 0.5 * (1 - std::cos(2 * pi * u)) * std::cos(pi * static_cast<double>(q) * u);
+          shape[q] = 0.5 * (1 - math::cos(2 * pi * u)) * math::cos(pi * static_cast<double>(q) * u);
       }
     fit.count = std::min(period_ / 28, 1 + band_.size());
     fit.wave.reserve(fit.count * samples_ * (BandLimit::kNodes - 1));
@@ -221,13 +220,13 @@ private:
           const double t = static_cast<double>(n) + BandLimit::kNode[m] -
                            static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples;
           fit.wave.push_back(BandLimit::kGaussWeight[m - 1] *
-                             std::polar(1.0, -static_cast<double>(i) * turn() * t));
+                             math::polar(1.0, -static_cast<double>(i) * turn() * t));
           for (std::size_t q = 0; q < part.size(); ++q)
             part[q] += fit.shape[n * BandLimit::kNodes + m][q] * fit.wave.back();
         }
       for (std::size_t p = 0; p < part.size(); ++p)
         for (std::size_t q = 0; q < part.size(); ++q)
-          fit.equation[p][q] += (std::conj(part[p]) * part[q]).real();
+          fit.equation[p][q] += (math::conj(part[p]) * part[q]).real();
     }
     for (std::size_t p = 0; p < LowFrequencyFit::kSmooth; ++p)
       fit.equation[p][p] *= 1 + 1e-5; // these frequencies hardly separate the shapes
@@ -251,7 +250,7 @@ private:
         for (std::size_t m = 1; m < BandLimit::kNodes; ++m)
           residual -= out[n * BandLimit::kNodes + m] * *wave++;
       for (std::size_t p = 0; p < kSmooth; ++p)
-        equation[p][kSmooth] += (std::conj(fit.part[i][p]) * residual).real();
+        equation[p][kSmooth] += (math::conj(fit.part[i][p]) * residual).real();
     }
     const std::array<double, kSmooth> amount = solve(equation);
     for (std::size_t n = 0; n < fit.shape.size(); ++n)
@@ -324,7 +323,8 @@ private:
   [[nodiscard]] std::vector<Complex> find_waves(std::size_t l, double radius) const {
     const double c = scene_.sound_speed_m_per_s, density = scene_.air_density_kg_per_m3;
     const auto degree = static_cast<double>(l);
-    const double still = density * radius * std::pow(radius / distance_, degree + 1) / (degree + 1);
+    const double still =
+        density * radius * math::pow(radius / distance_, degree + 1) / (degree + 1);
     std::vector<Complex> transfer(1 + band_.size());
     transfer[0] = 0.5 * still;
     for (std::size_t i = 1; i < transfer.size(); ++i) {
@@ -333,7 +333,7 @@ private:
       const auto near = spherical_hankel(l + 1, wavenumber * radius);
       const auto far = spherical_hankel(l + 1, wavenumber * distance_);
       Complex value = -density * c / omega * far[l] / slope(near, l, wavenumber * radius) *
-                      std::polar(1.0, wavenumber * (distance_ - radius)); // minus the common delay
+                      math::polar(1.0, wavenumber * (distance_ - radius)); // minus the common delay
       if (!std::isfinite(value.real()) || !std::isfinite(value.imag()))
         value = still;
       transfer[i] = band_[i - 1] * value;
@@ -354,8 +354,8 @@ private:
         const std::size_t n = (first + k) / BandLimit::kNodes, m = (first + k) % BandLimit::kNodes;
         const double t = static_cast<double>(n) + BandLimit::kNode[m] -
                          static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples;
-        step_real[k] = std::cos(turn() * t);
-        step_imag[k] = std::sin(turn() * t);
+        step_real[k] = math::cos(turn() * t);
+        step_imag[k] = math::sin(turn() * t);
         real[k] = 1;
         sum[k] = transfer[0].real();
       }
@@ -382,7 +382,7 @@ private:
     std::vector<Complex> transfer = find_waves(l, radius);
     if (octave != kPlain)
       for (std::size_t i = 0; i < transfer.size(); ++i) {
-        const double x = static_cast<double>(i) * turn() * scene_.sample_rate * std::exp2(-octave);
+        const double x = static_cast<double>(i) * turn() * scene_.sample_rate * math::exp2(-octave);
         transfer[i] *= Complex(0, x) / Complex(1, x);
       }
     out.resize(samples_ * BandLimit::kNodes);
@@ -423,8 +423,8 @@ void diagonalise(std::array<Vec3, 3>& a, std::array<Vec3, 3>& vectors) {
         const auto i = static_cast<std::size_t>(p), j = static_cast<std::size_t>(q);
         if (a[i][q] == 0)
           continue;
-        const double angle = 0.5 * std::atan2(2 * a[i][q], a[j][q] - a[i][p]);
-        const double cosine = std::cos(angle), sine = std::sin(angle);
+        const double angle = 0.5 * math::atan2(2 * a[i][q], a[j][q] - a[i][p]);
+        const double cosine = math::cos(angle), sine = math::sin(angle);
         for (std::size_t k = 0; k < 3; ++k) {
           const double x = a[k][p], y = a[k][q];
           a[k][p] = cosine * x - sine * y;
@@ -461,13 +461,13 @@ std::array<RigidDipole, 3> rigid_dipoles(double mass_kg, const std::array<Vec3, 
     constexpr double kStep = 0.02;
     const double scale = square[0] + square[1] + square[2];
     for (int step = -1500; step < 1500; ++step) {
-      const double lambda = scale * std::exp(step * kStep);
+      const double lambda = scale * math::exp(step * kStep);
       alpha += kStep * lambda * product /
                ((square[i] + lambda) *
                 std::sqrt((square[0] + lambda) * (square[1] + lambda) * (square[2] + lambda)));
     }
     const double added = 4.0 / 3 * pi * product * alpha / (2 - alpha);
-    dipoles[i] = {axis[i], std::cbrt((volume_m3 + added) / (2 * pi))};
+    dipoles[i] = {axis[i], math::cbrt((volume_m3 + added) / (2 * pi))};
   }
   return dipoles;
 }

@@ -1,5 +1,7 @@
 #include "core/modal/radiation/radiation.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -70,14 +72,14 @@ std::vector<std::size_t> RadiatingSurface::facing(const Vec3& listener) const {
   return visible;
 }
 
-ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> rate,
+ListenerTransfer RadiatingSurface::modal(std::span<const Complex> rate,
                                          std::span<const std::size_t> mode, const Vec3& listener,
                                          const Scene& scene) const {
   const double size = scene.size, sound_speed = scene.sound_speed_m_per_s;
   ListenerTransfer out;
   out.pressure.assign(rate.size(), 0);
   double highest = 0;
-  for (const std::complex<double>& s : rate)
+  for (const Complex& s : rate)
     highest = std::max(highest, s.imag());
   const std::vector<SurfaceSource> sources =
       surface_ ? surface_sources(*surface_, facing(listener * (1 / size)), listener, size,
@@ -97,12 +99,12 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
     for (std::size_t i = 0; i < sources.size(); ++i) {
       const double delay = (sources[i].distance_m - shortest) / sound_speed;
       const double amount =
-          displacement(mode[k], sources[i]) * share[i] * std::exp(-rate[k].real() * delay);
-      real += amount * std::cos(rate[k].imag() * delay);
-      imaginary -= amount * std::sin(rate[k].imag() * delay);
+          displacement(mode[k], sources[i]) * share[i] * math::exp(-rate[k].real() * delay);
+      real += amount * math::cos(rate[k].imag() * delay);
+      imaginary -= amount * math::sin(rate[k].imag() * delay);
     }
-    out.pressure[k] = scene.air_density_kg_per_m3 * scene.shape_scale * rate[k] *
-                      std::complex<double>(real, imaginary);
+    out.pressure[k] =
+        scene.air_density_kg_per_m3 * scene.shape_scale * rate[k] * Complex(real, imaginary);
   }
   return out;
 }

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/radiation/arrivals.hpp"
 #include "core/modal/radiation/surface_quadrature.hpp"
 #include "core/modal/table/modal_table.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -16,7 +16,7 @@ namespace tactus::modal {
 /// The transfer from each mode's velocity to the pressure at a listener, at the mode's complex
 /// rate, without the delay of the shortest path.
 struct ListenerTransfer {
-  std::vector<std::complex<double>> pressure; ///< T_k, Pa s/(m sqrt(kg))
+  std::vector<Complex> pressure; ///< T_k, Pa s/(m sqrt(kg))
   double delay_s = 0;
 };
 
@@ -49,7 +49,7 @@ public:
   /// band limit:
   ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance.
   /// `mode`: the table's index of each rate.
-  [[nodiscard]] ListenerTransfer modal(std::span<const std::complex<double>> rate,
+  [[nodiscard]] ListenerTransfer modal(std::span<const Complex> rate,
                                        std::span<const std::size_t> mode, const Vec3& listener,
                                        const Scene& scene) const;
   /// Centre (m) and normal of a triangle, in the table's size.
@@ -86,7 +86,7 @@ private:
 /// h_l spherical Hankel functions of the second kind, Y_lm the complex orthonormal harmonics with
 /// Condon and Shortley's phase, coefficient l^2 + l + m for unit amplitude of modal velocity.
 [[nodiscard]] ListenerTransfer multipole_transfer(const ModalTable& table,
-                                                  std::span<const std::complex<double>> rate,
+                                                  std::span<const Complex> rate,
                                                   std::span<const std::size_t> mode,
                                                   const Vec3& listener,
                                                   const RadiatingSurface::Scene& scene);

@@ -1,5 +1,7 @@
 #include "core/modal/radiation/surface_quadrature.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -73,7 +75,7 @@ private:
     double along = 0, angle = 0, sine = 0, cosine = 1;
   };
   [[nodiscard]] End at(double along, double radius) const noexcept {
-    return {along, std::atan2(along, height_), along / radius, height_ / radius};
+    return {along, math::atan2(along, height_), along / radius, height_ / radius};
   }
   void add(const End& from, const End& to, Angles& sum) const noexcept {
     // The integrals of 1, cos u and sin u.
@@ -149,7 +151,7 @@ private:
       at_foot[opposite] = dot(foot - from, slope[opposite]);
       limit[limits++] = norm(from - listener_);
       if (edge[i].is_touched())
-        limit[limits++] = std::hypot(height, edge[i].height());
+        limit[limits++] = math::hypot(height, edge[i].height());
     }
     if (inside)
       limit[limits++] = std::abs(height);
@@ -160,7 +162,7 @@ private:
       for (double n = 0.5; length > 0 && n < steps && out_.size() <= kMaxSurfaceSources; ++n) {
         const double turn = 2 * std::numbers::pi * n / steps;
         const double distance =
-            begin + length * (n / steps - std::sin(turn) / (2 * std::numbers::pi));
+            begin + length * (n / steps - math::sin(turn) / (2 * std::numbers::pi));
         const double radius = std::sqrt(std::max(distance * distance - height * height, 0.0));
         Angles arc;
         for (const Edge& one : edge)
@@ -170,7 +172,7 @@ private:
         Weights w{};
         for (std::size_t j = 0; j < 3; ++j)
           w[j] = at_foot[j] + radius * dot(slope[j], arc.direction) / arc.angle;
-        add(w, distance * arc.angle * length * (1 - std::cos(turn)) / steps, distance);
+        add(w, distance * arc.angle * length * (1 - math::cos(turn)) / steps, distance);
       }
     }
   }

@@ -1,5 +1,7 @@
 #include "core/modal/table/shape_sensitivity.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +15,7 @@ std::vector<double> frequency_factors(const ShapeSensitivity& sensitivity,
   std::vector<double> factor(modes, 1);
   if (displacement_m.size() != sensitivity.parameters())
     return factor;
-  const double highest = std::log(kMaxShapeFactor);
+  const double highest = math::log(kMaxShapeFactor);
   for (std::size_t k = 0; k < modes; ++k) {
     double change = 0; // change of omega^2
     for (std::size_t p = 0; p < displacement_m.size(); ++p)
@@ -22,7 +24,7 @@ std::vector<double> frequency_factors(const ShapeSensitivity& sensitivity,
     const double omega = 2 * std::numbers::pi * frequency_hz[k];
     const double exponent = 0.5 * change / (omega * omega);
     if (std::isfinite(exponent))
-      factor[k] = std::exp(std::clamp(exponent, -highest, highest));
+      factor[k] = math::exp(std::clamp(exponent, -highest, highest));
   }
   return factor;
 }

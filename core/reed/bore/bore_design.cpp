@@ -1,17 +1,16 @@
 #include "core/reed/bore/bore_design.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/radiation.hpp"
 #include "core/reed/bore/wall_loss.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 using std::numbers::pi;
 constexpr double kMinLength = 5e-3; // m
 // Nepers per section. The limit keeps the poles apart, by a factor of two or more in frequency. A
@@ -53,7 +52,7 @@ struct Section {
 };
 /// zero and pole are times T.
 Section section(double zero, double pole) {
-  const double pole_minus_one = std::expm1(-pole), zero_minus_one = std::expm1(-zero);
+  const double pole_minus_one = math::expm1(-pole), zero_minus_one = math::expm1(-zero);
   return {pole_minus_one / zero_minus_one, 1 + pole_minus_one, pole_minus_one - zero_minus_one};
 }
 
@@ -96,10 +95,10 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
   rate_ = internal_rate;
   const double low = 2 * pi * kLowestPole;
   const double high = 2 * pi * std::min(0.4 * rate_, kHighestPole);
-  spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
+  spacing_ = math::log(high / low) / (RoundTrip::kLossSections - 1);
   const SectionWeights share = section_weights_at(rate_);
   for (std::size_t k = 0; k < frequency_.size(); ++k) {
-    const double q = low * std::exp(spacing_ * static_cast<double>(k));
+    const double q = low * math::exp(spacing_ * static_cast<double>(k));
     frequency_[k] = q;
     weight_[k] = share[k] * spacing_ / pi * std::sqrt(q);
   }
@@ -126,7 +125,7 @@ Complex BoreDesign::end_reflection(Complex s) const noexcept {
   if (end_ == nullptr)
     return OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
   return end_->reflectance(s * (air_at(20).sound_speed / air_.sound_speed)).value *
-         std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
+         math::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
 }
 
 double BoreDesign::end_correction() const noexcept {
@@ -158,7 +157,7 @@ void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
   trip.incident_gain = 1;
   for (std::size_t k = 0; k < row.size(); ++k) {
     const double attenuation = std::min(loss * weight_[k], kMaxAttenuation);
-    const double spread = std::exp(attenuation / 2);
+    const double spread = math::exp(attenuation / 2);
     const double normalised_frequency = frequency_[k] / rate_;
     row[k] = section(normalised_frequency * spread, normalised_frequency / spread);
     trip.incident_gain *= row[k].gain;
@@ -200,7 +199,7 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
 
   // The delay corrects the phase of the filters at the lowest resonance.
   const double omega = 2 * pi * std::min(ideal_frequency(length), 0.1 * rate_);
-  const Complex s(0, omega), back = std::exp(-s / rate_);
+  const Complex s(0, omega), back = math::exp(-s / rate_);
   Complex filters = 1;
   for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
     filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
@@ -208,9 +207,9 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   if (end_ == nullptr)
     filters *= open_end_.at(back);
   else
-    filters *= digital_end_.at(back) * std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
-  const Complex target = std::exp(-loss * std::sqrt(s)) * end_reflection(s);
-  const double phase_lead = std::arg(filters / target);
+    filters *= digital_end_.at(back) * math::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
+  const Complex target = math::exp(-loss * math::sqrt(s)) * end_reflection(s);
+  const double phase_lead = math::arg(filters / target);
   trip.delay = std::clamp((transit + phase_lead / omega) * rate_, 3.0,
                           static_cast<double>(max_delay(rate_)));
   return trip;

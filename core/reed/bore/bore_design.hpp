@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/bore/open_end.hpp"
 #include "core/reed/bore/termination.hpp"
 #include "core/reed/instrument/parameters.hpp"
 
 #include <array>
-#include <complex>
 
 namespace tactus::reed {
 
@@ -54,7 +54,7 @@ public:
   void set_end(const Termination* end) noexcept;
   [[nodiscard]] const Termination* end() const noexcept { return end_; }
   /// Reflectance of the end at s (rad/s), extra length included.
-  [[nodiscard]] std::complex<double> end_reflection(std::complex<double> s) const noexcept;
+  [[nodiscard]] Complex end_reflection(Complex s) const noexcept;
 
   /// Filters and delay for a bore of this length, m.
   [[nodiscard]] RoundTrip round_trip(double length) const noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/bore_line.hpp"
@@ -81,8 +82,8 @@ public:
   void set_trim(double logarithm, double length, BoreShape shape) noexcept {
     const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length) /
                             (shape == BoreShape::kCone ? 2 : 4);
-    trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed * sample_rate_ *
-                  oversampling_;
+    trim_delay_ = 2 * acoustic * math::expm1(-logarithm) / design_.air().sound_speed *
+                  sample_rate_ * oversampling_;
   }
   /// L at the end of the control period that begins now, m.
   void set_length(double length) noexcept {

@@ -1,5 +1,6 @@
 #include "core/reed/bore/brass.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ constexpr BrassTube kTromboneTube{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12}
 /// Semitones by which each valve alone lowers the open tube.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};
 
-double length_increase(double semitones) { return std::exp2(semitones / 12) - 1; }
+double length_increase(double semitones) { return math::exp2(semitones / 12) - 1; }
 
 } // namespace
 
@@ -59,7 +60,7 @@ BrassPositions standard_positions(const BrassTube& tube, double note) noexcept {
   for (int natural = 2; natural <= kHighestNatural; ++natural) {
     if (natural == kSkippedNatural)
       continue;
-    const double semitones = 12 * std::log2(natural * tube.fundamental / note);
+    const double semitones = 12 * math::log2(natural * tube.fundamental / note);
     if (semitones < -0.5)
       continue;
     if (semitones < shortest && semitones <= kSlideSemitones + 0.5) {
@@ -100,10 +101,10 @@ double nearest_natural(const Parameters& parameters, const Termination& bell, do
   double nearest = 0, min_interval = 1;
   for (int i = 0; i < kStarts; ++i) {
     const Mode mode = theory.bore_resonance_near(
-        target_hz * std::exp2(static_cast<double>(i) / (kStarts - 1) - 0.5));
+        target_hz * math::exp2(static_cast<double>(i) / (kStarts - 1) - 0.5));
     if (!mode.found || !(mode.frequency_hz > 0))
       continue;
-    const double interval = std::abs(std::log2(mode.frequency_hz / target_hz));
+    const double interval = std::abs(math::log2(mode.frequency_hz / target_hz));
     if (interval < min_interval) {
       min_interval = interval;
       nearest = mode.frequency_hz;

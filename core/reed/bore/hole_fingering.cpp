@@ -1,17 +1,16 @@
 #include "core/reed/bore/hole_fingering.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/hole_lattice.hpp"
 #include "core/reed/bore/pole_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 using std::numbers::pi;
 
 /// Frequencies of the response, Hz: dense where resonances are.
@@ -37,25 +36,25 @@ public:
     // Cepstrum of magnitude/|i f/(i f + f_c)|; the phase of the divisor is added in at().
     for (std::size_t n = 0; n <= kHalf; ++n) {
       const double theta = pi * (static_cast<double>(n) + 0.5) / (kHalf + 1.0);
-      const double f = std::clamp(kScale * std::tan(theta / 2), frequency(0), 8000.0);
+      const double f = std::clamp(kScale * math::tan(theta / 2), frequency(0), 8000.0);
       std::size_t i = 0;
       while (i + 2 < kMagnitudes && frequency(i + 1) < f)
         ++i;
       const double share = (f - frequency(i)) / (frequency(i + 1) - frequency(i));
       const auto log_magnitude = [&](std::size_t k) {
-        return std::log(std::max(magnitude[k], 1e-12) * std::hypot(1, kCorner / frequency(k)));
+        return math::log(std::max(magnitude[k], 1e-12) * math::hypot(1, kCorner / frequency(k)));
       };
       const double level = log_magnitude(i) +
                            std::clamp(share, 0.0, 1.0) * (log_magnitude(i + 1) - log_magnitude(i));
       for (std::size_t k = 1; k < kCepstrum; ++k)
-        cepstrum_[k] += 2 * level * std::cos(static_cast<double>(k) * theta) / (kHalf + 1.0);
+        cepstrum_[k] += 2 * level * math::cos(static_cast<double>(k) * theta) / (kHalf + 1.0);
     }
   }
   [[nodiscard]] double at(double f) const noexcept {
-    const double theta = 2 * std::atan(f / kScale);
-    double phase = std::atan2(kCorner, f);
+    const double theta = 2 * math::atan(f / kScale);
+    double phase = math::atan2(kCorner, f);
     for (std::size_t k = 1; k < kCepstrum; ++k)
-      phase -= cepstrum_[k] * std::sin(static_cast<double>(k) * theta);
+      phase -= cepstrum_[k] * math::sin(static_cast<double>(k) * theta);
     return phase;
   }
 
@@ -79,7 +78,7 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
     const double f = frequency(i), omega = 2 * pi * f;
     const double spacing = i + 1 < kMagnitudes ? frequency(i + 1) - f : 200;
     const HoleLattice::Response response = lattice.at(omega);
-    const double cube = std::pow(f / cutoff, 3);
+    const double cube = math::pow(f / cutoff, 3);
     reflected[i] = {omega, response.reflected, std::sqrt(spacing / (f + 200)) / (0.1 + cube)};
     magnitude[i] = response.radiated;
     loudest = std::max(loudest, response.radiated);
@@ -89,7 +88,7 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
   const MinimumPhase phase(magnitude);
   for (std::size_t i = 0; i < kMagnitudes; ++i) {
     const double f = frequency(i), spacing = i + 1 < kMagnitudes ? frequency(i + 1) - f : 200;
-    radiated[i] = {2 * pi * f, std::polar(magnitude[i], phase.at(f)),
+    radiated[i] = {2 * pi * f, math::polar(magnitude[i], phase.at(f)),
                    std::sqrt(spacing) / (magnitude[i] + 0.02 * loudest) / (1 + f / 4000)};
   }
   Termination found;

@@ -1,5 +1,6 @@
 #include "core/reed/bore/hole_lattice.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/bore/radiation.hpp"
 
@@ -10,7 +11,6 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = HoleLattice::Complex;
 using std::numbers::pi;
 constexpr double kSliceLength = 4e-3;   // m, of a cone
 constexpr double kMinHoleRadius = 2e-4; // m, about the thickness of the boundary layers; a narrower
@@ -24,13 +24,13 @@ struct Tube {
 
   Tube(Complex s, const Air& air, double radius, double length) {
     const double area = pi * square(radius);
-    const Complex boundary_layer = 2.0 * std::sqrt(kKinematicViscosity / s) / radius;
+    const Complex boundary_layer = 2.0 * math::sqrt(kKinematicViscosity / s) / radius;
     const double thermal_factor = (kHeatCapacityRatio - 1) / std::sqrt(kPrandtlNumber);
     const Complex series = s * air.density / area * (1.0 + boundary_layer);
     const Complex shunt = s * area / (air.density * square(air.sound_speed)) *
                           (1.0 + thermal_factor * boundary_layer);
-    const Complex gamma = std::sqrt(series * shunt), z = series / gamma;
-    const Complex exp_forward = std::exp(gamma * length), exp_backward = 1.0 / exp_forward;
+    const Complex gamma = math::sqrt(series * shunt), z = series / gamma;
+    const Complex exp_forward = math::exp(gamma * length), exp_backward = 1.0 / exp_forward;
     const Complex sinh = 0.5 * (exp_forward - exp_backward);
     cosh = 0.5 * (exp_forward + exp_backward);
     z_sinh = z * sinh;
@@ -45,7 +45,7 @@ Complex opening(Complex s, const Air& air, double radius) {
 }
 
 /// sin(x)/x
-double sinc(double x) { return x < 1e-6 ? 1 : std::sin(x) / x; }
+double sinc(double x) { return x < 1e-6 ? 1 : math::sin(x) / x; }
 
 } // namespace
 
@@ -67,7 +67,7 @@ HoleLattice::HoleLattice(const Woodwind& instrument, std::span<const double> clo
         radius * (0.82 + ratio * (-0.193 + ratio * (-1.09 + ratio * (1.27 - 0.71 * ratio))));
     const double matching = radius * ratio / 8 * (1 + 0.207 * ratio * ratio * ratio);
     const double series_length = -radius * square(ratio) /
-                                 (1.78 / std::tanh(1.84 * hole.height / radius) + 0.940 +
+                                 (1.78 / math::tanh(1.84 * hole.height / radius) + 0.940 +
                                   0.540 * ratio + 0.285 * square(ratio));
     open_holes_[count_++] = {hole.position, radius, hole.height + inner + matching, bore,
                              series_length};
@@ -138,11 +138,11 @@ double HoleLattice::radiated_pressure(double omega, Complex scale, const Sources
     amplitudes[i] =
         scale * sources[i].flow *
         std::sqrt(std::max(sources[i].resistance, 0.0) * air.density * air.sound_speed / (4 * pi));
-    total += std::norm(amplitudes[i]);
+    total += math::norm(amplitudes[i]);
     for (std::size_t j = 0; j < i; ++j)
       total += 2 *
                sinc(omega / air.sound_speed * std::abs(sources[i].position - sources[j].position)) *
-               (amplitudes[i] * std::conj(amplitudes[j])).real();
+               (amplitudes[i] * math::conj(amplitudes[j])).real();
   }
   return std::sqrt(std::max(total, 0.0));
 }

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/woodwind.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <span>
 
@@ -23,7 +23,6 @@ namespace tactus::reed {
 /// in the same way.
 class HoleLattice {
 public:
-  using Complex = std::complex<double>;
   struct Response {
     Complex reflected; // R
     double radiated;   // |T| as in Termination

@@ -1,5 +1,6 @@
 #include "core/reed/bore/open_end.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/radiation.hpp"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 
 namespace tactus::reed {
 namespace {
-
-using Complex = std::complex<double>;
 
 /// b_0 + b_1 x + b_2 x^2 over (1 - p_1 x)(1 - p_2 x), x = z^-1.
 DigitalOpenEnd from_coefficients(double b0, double b1, double b2, double p1, double p2) {
@@ -20,7 +19,7 @@ DigitalOpenEnd from_coefficients(double b0, double b1, double b2, double p1, dou
 bool passive(const DigitalOpenEnd& end) {
   constexpr int kPoints = 64; // points up to the Nyquist frequency
   for (int i = 1; i <= kPoints; ++i)
-    if (std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / kPoints))) > 1)
+    if (math::abs(end.at(math::polar(1.0, -std::numbers::pi * i / kPoints))) > 1)
       return false;
   return true;
 }
@@ -39,8 +38,8 @@ DigitalOpenEnd bilinear(double radius) {
 
 DigitalOpenEnd DigitalOpenEnd::of(double radius, double period) noexcept {
   constexpr double kHighest = 12e3; // Hz
-  const double p1 = std::exp(-OpenEnd::kFirstPole / radius);
-  const double p2 = std::exp(-OpenEnd::kSecondPole / radius);
+  const double p1 = math::exp(-OpenEnd::kFirstPole / radius);
+  const double p2 = math::exp(-OpenEnd::kSecondPole / radius);
   // R(x) = B(x)/A(x), B = B(1) + B'(1) (x - 1) + t (x - 1)^2. R(0 Hz) = -1 gives B(1) = -A(1), the
   // delay of long waves B'(1) = -(A(1) delay + A'(1)); t is fitted.
   const double dc_denominator = (1 - p1) * (1 - p2), slope = 2 * p1 * p2 - p1 - p2;
@@ -50,13 +49,13 @@ DigitalOpenEnd DigitalOpenEnd::of(double radius, double period) noexcept {
   for (int i = 1; i <= 8; ++i) {
     const double omega =
         std::min(2 * std::numbers::pi * kHighest * period, 0.9 * std::numbers::pi) * i / 8;
-    const Complex x = std::polar(1.0, -omega), x_minus_one = x - 1.0;
+    const Complex x = math::polar(1.0, -omega), x_minus_one = x - 1.0;
     const Complex denominator = (1.0 - p1 * x) * (1.0 - p2 * x);
     const Complex residual = OpenEnd::reflection({0, omega * radius}) -
                              (-dc_denominator + rise * x_minus_one) / denominator;
     const Complex shape = x_minus_one * x_minus_one / denominator;
-    projection += (std::conj(shape) * residual).real();
-    norm_squared += std::norm(shape);
+    projection += (math::conj(shape) * residual).real();
+    norm_squared += math::norm(shape);
   }
   const double t = projection / norm_squared;
   const DigitalOpenEnd end = from_coefficients(-dc_denominator - rise + t, rise - 2 * t, t, p1, p2);

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
+
 #include <array>
-#include <complex>
 
 namespace tactus::reed {
 
@@ -17,8 +18,8 @@ struct DigitalOpenEnd {
   /// radius: r_e/(c T), the radius in samples of sound travel; period: T, s.
   [[nodiscard]] static DigitalOpenEnd of(double radius, double period) noexcept;
   /// Response at back = z^-1.
-  [[nodiscard]] std::complex<double> at(std::complex<double> back) const noexcept {
-    const std::complex<double> first = input[0] * back / (1.0 - pole[0] * back);
+  [[nodiscard]] Complex at(Complex back) const noexcept {
+    const Complex first = input[0] * back / (1.0 - pole[0] * back);
     return direct + back * (input[1] + first) / (1.0 - pole[1] * back);
   }
 };

@@ -1,5 +1,7 @@
 #include "core/reed/bore/pole_fit.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr std::size_t kMaxPoles = 2 * Termination::kReflectionBlocks;
 constexpr std::size_t kMaxUnknowns = 2 * kMaxPoles + 1;
 constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
@@ -133,7 +134,7 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
   std::array<Complex, kMaxPoles> z{};
   const std::size_t n = poles.count;
   for (std::size_t k = 0; k < n; ++k) // off the axis and off the poles
-    z[k] = poles.pole[k] * std::polar(1.0 + 1e-3, 0.01 + 1e-3 * static_cast<double>(k));
+    z[k] = poles.pole[k] * math::polar(1.0 + 1e-3, 0.01 + 1e-3 * static_cast<double>(k));
   double max_change = 1;
   for (int step = 0; step < kRootSteps && max_change > 1e-12; ++step) {
     max_change = 0;
@@ -148,28 +149,28 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
           others -= 1.0 / (z[k] - z[j]);
       }
       const Complex change = 1.0 / (slope / value + others);
-      if (!(std::abs(change) < 1e300))
+      if (!(math::abs(change) < 1e300))
         return false;
       z[k] -= change;
-      max_change = std::max(max_change, std::abs(change) / std::abs(z[k]));
+      max_change = std::max(max_change, math::abs(change) / math::abs(z[k]));
     }
   }
   if (!(max_change < 1e-6))
     return false;
   zeros.count = 0;
   for (std::size_t k = 0; k < n; ++k) {
-    const double size = std::abs(z[k]);
+    const double size = math::abs(z[k]);
     const Complex left =
         Complex(-std::max(std::abs(z[k].real()), kMinDamping * size), z[k].imag()) *
         std::min(1.0, kMaxPoleMagnitude / size);
-    if (std::abs(z[k].imag()) <= kRealRoot * std::abs(z[k])) {
+    if (std::abs(z[k].imag()) <= kRealRoot * math::abs(z[k])) {
       if (zeros.count < n)
         zeros.pole[zeros.count++] = left.real();
     } else if (z[k].imag() > 0) {
       if (zeros.count + 2 > n)
         return false;
       zeros.pole[zeros.count++] = left;
-      zeros.pole[zeros.count++] = std::conj(left);
+      zeros.pole[zeros.count++] = math::conj(left);
     }
   }
   return zeros.count == n;
@@ -198,7 +199,7 @@ bool relocate_poles(std::span<const ResponsePoint> points, double dc_value, Pole
       set_entry(n + 1 + k, -point.response * columns[k]);
       relaxation_row[n + 1 + k] += columns[k].real();
     }
-    size += std::norm(point.weight * point.response);
+    size += math::norm(point.weight * point.response);
   }
   const auto number = static_cast<double>(points.size());
   size = std::sqrt(size) / number;
@@ -216,13 +217,13 @@ bool relocate_poles(std::span<const ResponsePoint> points, double dc_value, Pole
 
 } // namespace
 
-std::complex<double> response_of(double dc_value, std::span<const Termination::Block> blocks,
-                                 Complex s) noexcept {
+Complex response_of(double dc_value, std::span<const Termination::Block> blocks,
+                    Complex s) noexcept {
   Complex sum = dc_value;
   for (const Termination::Block& block : blocks)
     if (block.oscillates) {
       const Complex pole(block.a, block.b), residue(block.c, block.d);
-      sum += s * (residue / (s - pole) + std::conj(residue) / (s - std::conj(pole)));
+      sum += s * (residue / (s - pole) + math::conj(residue) / (s - math::conj(pole)));
     } else {
       sum += s * (block.c / (s - block.a) + block.d / (s - block.b));
     }
@@ -236,14 +237,14 @@ bool fit_poles(std::span<const ResponsePoint> points, double dc_value, double ma
   if (points.size() > kMaxResponsePoints || points.size() < 2 * pairs + 1)
     return false;
   for (const ResponsePoint& point : points)
-    if (!(std::norm(point.response) < 1e100))
+    if (!(math::norm(point.response) < 1e100))
       return false;
   for (std::size_t k = 0; k < pairs; ++k) {
     const double share = static_cast<double>(k) / std::max(1.0, static_cast<double>(pairs) - 2);
-    const Complex start = k + 1 < pairs ? max_omega / 4 * std::pow(4.0, share) * Complex(-0.15, 1)
+    const Complex start = k + 1 < pairs ? max_omega / 4 * math::pow(4.0, share) * Complex(-0.15, 1)
                                         : 2 * std::numbers::pi * Complex(-4000, 2000);
     poles.pole[poles.count++] = start;
-    poles.pole[poles.count++] = std::conj(start);
+    poles.pole[poles.count++] = math::conj(start);
   }
   for (int round = 0; round < kIterations; ++round)
     if (!relocate_poles(points, dc_value, poles))
@@ -289,9 +290,9 @@ double largest_response(double dc_value, std::span<const Termination::Block> blo
   constexpr int kPoints = 600;
   constexpr double kLowest = 0.1, kHighest = 1e7; // rad/s
   const auto size = [&](double logarithm) {
-    return std::abs(response_of(dc_value, blocks, {0, std::exp(logarithm)}));
+    return math::abs(response_of(dc_value, blocks, {0, math::exp(logarithm)}));
   };
-  const double low = std::log(kLowest), step = (std::log(kHighest) - low) / kPoints;
+  const double low = math::log(kLowest), step = (math::log(kHighest) - low) / kPoints;
   double largest = std::abs(dc_value), before = largest, here = size(low);
   const auto refine_peak = [&](double a, double b) { // golden section
     for (int k = 0; k < 24; ++k) {
@@ -311,7 +312,7 @@ double largest_response(double dc_value, std::span<const Termination::Block> blo
   }
   for (const Termination::Block& block : blocks) // the peak may be narrower than the steps
     if (block.oscillates && std::abs(block.a) < 0.1 * std::abs(block.b)) {
-      const double width = -2 * block.a / std::abs(block.b), at = std::log(std::abs(block.b));
+      const double width = -2 * block.a / std::abs(block.b), at = math::log(std::abs(block.b));
       for (int k = -2; k < 2; ++k)
         refine_peak(at + k * width, at + (k + 1) * width);
     }

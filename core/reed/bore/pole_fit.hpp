@@ -1,16 +1,16 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/termination.hpp"
 
-#include <complex>
 #include <span>
 
 namespace tactus::reed {
 
 /// One point of a frequency response to be approximated.
 struct ResponsePoint {
-  double omega;                  // rad/s
-  std::complex<double> response; // H(i omega)
+  double omega;     // rad/s
+  Complex response; // H(i omega)
   double weight;
 };
 inline constexpr std::size_t kMaxResponsePoints = 192;
@@ -30,8 +30,7 @@ inline constexpr std::size_t kMaxResponsePoints = 192;
                                       std::span<const Termination::Block> blocks) noexcept;
 
 /// H(s) = dc_value + sum of r s/(s - p).
-[[nodiscard]] std::complex<double> response_of(double dc_value,
-                                               std::span<const Termination::Block> blocks,
-                                               std::complex<double> s) noexcept;
+[[nodiscard]] Complex response_of(double dc_value, std::span<const Termination::Block> blocks,
+                                  Complex s) noexcept;
 
 } // namespace tactus::reed

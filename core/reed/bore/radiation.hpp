@@ -1,6 +1,6 @@
 #pragma once
 
-#include <complex>
+#include "core/dsp/complex.hpp"
 
 namespace tactus::reed {
 
@@ -15,7 +15,7 @@ struct OpenEnd {
   // d_2 j^2 + d_1 j + 1 = (1 + j/k_1)(1 + j/k_2): both poles are real.
   static constexpr double kFirstPole = 1.1571836305301262, kSecondPole = 1.89095641323355;
 
-  [[nodiscard]] static std::complex<double> reflection(std::complex<double> j) noexcept {
+  [[nodiscard]] static Complex reflection(Complex j) noexcept {
     return -(1.0 + kNumerator * j) / (1.0 + j * (kFirst + kSecond * j));
   }
 };

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
 #include "core/reed/instrument/parameters.hpp"
 
 #include <algorithm>
-#include <complex>
 
 namespace tactus::reed {
 
@@ -37,17 +37,13 @@ struct RegisterVent {
   /// The vent of the instrument Parameters::end; share 0 if the instrument has none.
   [[nodiscard]] static RegisterVent of(const Parameters& parameters) noexcept;
   /// H(s), s in rad/s.
-  [[nodiscard]] std::complex<double> at(std::complex<double> s) const noexcept {
-    return share / (1.0 + s / corner);
-  }
+  [[nodiscard]] Complex at(Complex s) const noexcept { return share / (1.0 + s / corner); }
   /// Converts the round trip of the line with its vent to that of the line without it, for the same
   /// reflection below the vent. vent_path: the factor of the path from the reed to the vent and
   /// back. For small waves.
-  [[nodiscard]] std::complex<double> without_vent(std::complex<double> s,
-                                                  std::complex<double> round_trip,
-                                                  std::complex<double> vent_path) const noexcept {
-    const std::complex<double> h = at(s), at_reed = round_trip / vent_path,
-                               below = (at_reed + h) / (1.0 - h);
+  [[nodiscard]] Complex without_vent(Complex s, Complex round_trip,
+                                     Complex vent_path) const noexcept {
+    const Complex h = at(s), at_reed = round_trip / vent_path, below = (at_reed + h) / (1.0 - h);
     return vent_path * below / (1.0 - h * (1.0 + below));
   }
 };

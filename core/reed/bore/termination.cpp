@@ -1,5 +1,6 @@
 #include "core/reed/bore/termination.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/air.hpp"
 
 #include <algorithm>
@@ -12,10 +13,8 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// 1/z for finite z, without the special cases of std::complex.
-Complex inverse(Complex z) { return std::conj(z) / std::norm(z); }
+Complex inverse(Complex z) { return math::conj(z) / math::norm(z); }
 
 /// r s/(s - p) and its derivative.
 Termination::Value term(Complex s, Complex pole, Complex residue) {
@@ -55,14 +54,14 @@ double Termination::length_correction() const noexcept {
   // R = R(0) exp(-2 s l/c) for long waves, evaluated at 150 Hz, above the range of the friction.
   constexpr double kOmega = 2 * 3.14159265358979 * 150;
   const Complex r = reflectance({0, kOmega}).value;
-  return -std::arg(r / dc_value) * air_at(20).sound_speed / (2 * kOmega) + extra_length;
+  return -math::arg(r / dc_value) * air_at(20).sound_speed / (2 * kOmega) + extra_length;
 }
 
 const Termination* fingering_for(BoreEnd end, double frequency_hz) noexcept {
   const auto rows = terminations(end);
   if (rows.empty())
     return nullptr;
-  const double key = 69 + 12 * std::log2(std::max(frequency_hz, 1.0) / 440);
+  const double key = 69 + 12 * math::log2(std::max(frequency_hz, 1.0) / 440);
   const double last = static_cast<double>(rows.size() - 1);
   const double row = std::clamp(std::round(key - rows.front().key), 0.0, last);
   return &rows[static_cast<std::size_t>(row)];
@@ -80,7 +79,7 @@ struct FreeParameter {
     const Complex one = x * inverse(1.0 - digital_pole * x);
     if (kind == Kind::kReal)
       return one;
-    const Complex other = x * inverse(1.0 - std::conj(digital_pole) * x);
+    const Complex other = x * inverse(1.0 - math::conj(digital_pole) * x);
     return kind == Kind::kEven ? one + other : Complex(0, 1) * (one - other);
   }
 };
@@ -119,14 +118,14 @@ template <std::size_t capacity> struct FreeParameters {
   FreeParameters(std::span<const Termination::Block> analog, double period) {
     for (const Termination::Block& block : analog)
       if (block.oscillates) {
-        const Complex pole(block.a, block.b), digital_pole = std::exp(pole * period);
+        const Complex pole(block.a, block.b), digital_pole = math::exp(pole * period);
         const Complex sampled = Complex(block.c, block.d) * pole * digital_pole * period;
         values[count++] = {FreeParameter::Kind::kEven, digital_pole, sampled.real()};
         values[count++] = {FreeParameter::Kind::kOdd, digital_pole, sampled.imag()};
       } else {
         for (const auto& [pole, residue] : {std::pair{block.a, block.c}, {block.b, block.d}})
           if (residue != 0) {
-            const double digital_pole = std::exp(pole * period);
+            const double digital_pole = math::exp(pole * period);
             values[count++] = {FreeParameter::Kind::kReal, digital_pole,
                                residue * pole * digital_pole * period};
           }
@@ -147,13 +146,13 @@ std::array<double, capacity> residue_corrections(std::span<const Termination::Bl
   std::array<double, capacity> correction{};
   const double nyquist = std::numbers::pi / period;
   const auto add = [&](double omega, double weight) {
-    const Complex s(0, omega), x = std::polar(1.0, -omega * period);
+    const Complex s(0, omega), x = math::polar(1.0, -omega * period);
     Complex residual = 0;
     for (const Termination::Block& block : analog)
       for (const Complex& part : terms(block, s))
         residual += part;
     if (dc_value == 0) // a radiated sound: relative errors count
-      weight /= std::norm(residual) + 1e-12;
+      weight /= math::norm(residual) + 1e-12;
     std::array<Complex, capacity> shape;
     for (std::size_t k = 0; k < free.count; ++k) {
       shape[k] = free.values[k].at(x) - free.dc_response[k];
@@ -161,20 +160,20 @@ std::array<double, capacity> residue_corrections(std::span<const Termination::Bl
     }
     for (std::size_t k = 0; k < free.count; ++k) {
       for (std::size_t j = 0; j <= k; ++j)
-        normal[k][j] += weight * (std::conj(shape[k]) * shape[j]).real();
-      correction[k] += weight * (std::conj(shape[k]) * residual).real();
+        normal[k][j] += weight * (math::conj(shape[k]) * shape[j]).real();
+      correction[k] += weight * (math::conj(shape[k]) * residual).real();
     }
   };
   const double highest = std::min(2 * std::numbers::pi * 12.5e3, 0.9 * nyquist);
   constexpr int kPoints = 36;
   for (int i = 0; i < kPoints; ++i)
-    add(kLowestFitted * std::pow(highest / kLowestFitted, i / (kPoints - 1.0)), 1);
+    add(kLowestFitted * math::pow(highest / kLowestFitted, i / (kPoints - 1.0)), 1);
   for (int i = 1; i <= 8; ++i)
-    add(highest * std::pow(0.98 * nyquist / highest, i / 8.0), 1e-3);
+    add(highest * math::pow(0.98 * nyquist / highest, i / 8.0), 1e-3);
   // More points at low frequencies and at the poles, where |R| might exceed 1.
   constexpr int kSlowPoints = 8;
   for (int i = 0; i < kSlowPoints; ++i)
-    add(kLowestFitted * std::pow(0.01, (i + 0.5) / kSlowPoints), 10);
+    add(kLowestFitted * math::pow(0.01, (i + 0.5) / kSlowPoints), 10);
   for (const Termination::Block& block : analog)
     if (block.oscillates && block.b < highest)
       add(block.b, 1);
@@ -191,7 +190,7 @@ double max_squared_magnitude(const DigitalBlocks<blocks>& filter,
                              double period) {
   double max_squared = 0;
   const auto check = [&](double angle) {
-    max_squared = std::max(max_squared, std::norm(filter.at(std::polar(1.0, -angle))));
+    max_squared = std::max(max_squared, math::norm(filter.at(math::polar(1.0, -angle))));
   };
   const int points = rate < 40e3 ? 400 : 60;
   for (int i = 1; i <= points; ++i)

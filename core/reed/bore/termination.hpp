@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
+
 #include <array>
-#include <complex>
 #include <span>
 
 namespace tactus::reed {
@@ -37,10 +38,10 @@ struct Termination {
   std::array<Block, kRadiationBlocks> radiation{}; // T(0) = 0
 
   struct Value {
-    std::complex<double> value, derivative;
+    Complex value, derivative;
   };
   /// R and dR/ds, without the extra length; s in rad/s as it would be at 20 deg C.
-  [[nodiscard]] Value reflectance(std::complex<double> s) const noexcept;
+  [[nodiscard]] Value reflectance(Complex s) const noexcept;
   /// Length, m, of the lossless open tube with the same reflectance for long waves.
   [[nodiscard]] double length_correction() const noexcept;
 };
@@ -68,11 +69,11 @@ template <int blocks> struct DigitalBlocks {
   void set(const std::array<Termination::Block, blocks>& analog, double dc_value, double rate,
            double speed_ratio, double gain) noexcept;
   /// Response at back = z^-1.
-  [[nodiscard]] std::complex<double> at(std::complex<double> back) const noexcept {
-    std::complex<double> sum = direct;
+  [[nodiscard]] Complex at(Complex back) const noexcept {
+    Complex sum = direct;
     for (std::size_t k = 0; k < a.size(); ++k) {
       // (1 - back M)^-1 back (g, h), summed.
-      const std::complex<double> p = 1.0 - back * a[k], q = 1.0 - back * e[k], r = back * w[k];
+      const Complex p = 1.0 - back * a[k], q = 1.0 - back * e[k], r = back * w[k];
       sum += back * ((q + r) * g[k] + (p - r) * h[k]) / (p * q + r * r);
     }
     return sum;

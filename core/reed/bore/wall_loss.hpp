@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/instrument/parameters.hpp"
 
@@ -18,7 +19,7 @@ namespace tactus::reed {
   double radius = p.input_radius;
   if (p.shape == BoreShape::kCone) {
     const double growth = length / p.apex_distance;
-    radius *= growth / std::log1p(growth);
+    radius *= growth / math::log1p(growth);
   }
   return p.wall_loss * 2 * length *
          (std::sqrt(kKinematicViscosity) +

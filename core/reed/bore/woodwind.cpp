@@ -1,5 +1,6 @@
 #include "core/reed/bore/woodwind.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/bore/air.hpp"
 
 #include <algorithm>
@@ -50,13 +51,13 @@ constexpr Woodwind kOboeHoles{.lowest_key = 58,
 } // namespace
 
 double Woodwind::position(double key) const noexcept {
-  const double frequency = 440 * std::exp2((key - 69) / 12);
+  const double frequency = 440 * math::exp2((key - 69) / 12);
   return air_at(20).sound_speed / ((apex > 0 ? 2 : 4) * frequency) - kEndCorrection;
 }
 
 double Woodwind::cutoff_at(int key) const noexcept {
   const double octaves = (std::clamp(key, lowest_key, cutoff_top) - lowest_key) / 12.0;
-  return cutoff * std::exp2(cutoff_rise * octaves);
+  return cutoff * math::exp2(cutoff_rise * octaves);
 }
 
 Woodwind::Hole Woodwind::tone_hole(std::size_t index) const noexcept {

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/simd.hpp"
 #include "core/reed/instrument/parameters.hpp"
-
-#include <cmath>
 
 namespace tactus::reed {
 
@@ -12,7 +11,7 @@ namespace tactus::reed {
 template <class V> class ControlSlew {
 public:
   void prepare(double sample_rate) noexcept {
-    gain_ = 1 - std::exp(-kControlPeriod / (kTime * sample_rate));
+    gain_ = 1 - math::exp(-kControlPeriod / (kTime * sample_rate));
     max_immediate_step_ = kMaxImmediateRate * kControlPeriod / sample_rate;
   }
   /// Gain of the one-pole low-pass.

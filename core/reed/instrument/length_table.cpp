@@ -1,5 +1,6 @@
 #include "core/reed/instrument/length_table.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/brass.hpp"
 #include "core/reed/instrument/tuning.hpp"
@@ -26,7 +27,7 @@ void LengthTable::set(const Parameters& parameters, bool same_mode) noexcept {
 
 double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexcept {
   if (!steps_[step].computed || steps_[step].fingering != fingering) {
-    const double f = kLowest * std::exp2(static_cast<double>(step) / kSteps);
+    const double f = kLowest * math::exp2(static_cast<double>(step) / kSteps);
     const PlayingSetup playing = tuned(parameters_, f, reed_frequency_, fingering);
     steps_[step] = {round_trip_turns(parameters_, f, playing.length), true, fingering};
   }
@@ -46,7 +47,7 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
     turns_ = round_trip_turns(parameters_, bore_frequency, valve_length);
     return valve_length;
   }
-  const double at = std::clamp(kSteps * std::log2(bore_frequency / kLowest), 0.0,
+  const double at = std::clamp(kSteps * math::log2(bore_frequency / kLowest), 0.0,
                                static_cast<double>(kCount) - 2);
   const auto step = static_cast<std::size_t>(at);
   const double share = at - static_cast<double>(step), below = turns_at(step, fingering);

@@ -1,5 +1,6 @@
 #include "core/reed/instrument/parameters.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/instrument/parameter_rows.hpp"
 
@@ -64,7 +65,7 @@ bool can_interpolate(const Parameters& a, const Parameters& b) noexcept {
 }
 
 double note_of(const Parameters& p, double bore_frequency) noexcept {
-  return p.tune && p.fingering > 0 ? 440 * std::exp2((p.fingering - 69) / 12) : bore_frequency;
+  return p.tune && p.fingering > 0 ? 440 * math::exp2((p.fingering - 69) / 12) : bore_frequency;
 }
 
 int oversampling_of(const Parameters& p) noexcept {

@@ -1,5 +1,6 @@
 #include "core/reed/instrument/tuning.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/brass.hpp"
@@ -10,13 +11,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 using std::numbers::pi;
 constexpr double kPlayingReeds = 1.5;    // usual ratio of mouth pressure to threshold, for reeds
 constexpr double kPlayingLips = 2.5;     // the same ratio for lips
@@ -49,8 +48,8 @@ public:
     nominal_length_ = nominal_length(p, frequency, fingering.end);
     if (fingering.vented && !(p.scalar_reflection > 0)) {
       vent_ = RegisterVent::of(p);
-      vent_round_trip_ = std::exp(-s_ * 2.0 * vent_.position / air.sound_speed -
-                                  wall_loss(p, vent_.position, air.sound_speed) * std::sqrt(s_));
+      vent_round_trip_ = math::exp(-s_ * 2.0 * vent_.position / air.sound_speed -
+                                   wall_loss(p, vent_.position, air.sound_speed) * math::sqrt(s_));
       // The vent selects the bore's second mode.
       nominal_length_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
     }
@@ -65,7 +64,7 @@ public:
       round_trip = vent_.without_vent(s_, round_trip, vent_round_trip_);
     const double omega = s_.imag(), speed = bore_.air().sound_speed;
     // -omega 2L/c - G(L) sqrt(omega/2) = arg(round trip/R) - 2 pi n
-    const double phase = std::arg(round_trip / end_);
+    const double phase = math::arg(round_trip / end_);
     double length = nominal_length_, loss = 0;
     for (int i = 0; i < 3; ++i) {
       loss = parameters_.scalar_reflection > 0 ? 0 : wall_loss(parameters_, length, speed);
@@ -78,8 +77,8 @@ public:
       if (length < 5e-3)
         length = length_at_turn(std::round(turn) + 1);
     }
-    const double log_loss = std::log(std::abs(end_)) - loss * std::sqrt(omega / 2);
-    return {length, log_loss - std::log(std::abs(round_trip))};
+    const double log_loss = math::log(math::abs(end_)) - loss * std::sqrt(omega / 2);
+    return {length, log_loss - math::log(math::abs(round_trip))};
   }
 
   [[nodiscard]] double highest_pressure() const {
@@ -97,13 +96,13 @@ private:
 };
 
 double aimed_frequency(const Parameters& parameters, double bore_frequency) {
-  return bore_frequency * std::exp2(parameters.aim / 1200);
+  return bore_frequency * math::exp2(parameters.aim / 1200);
 }
 
 /// f_r/f_b of lips for a note at `aimed` Hz.
 double embouchure_at(const Parameters& parameters, double aimed) {
   return parameters.embouchure *
-         std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+         math::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
 }
 
 /// The player's lips for a note at `aimed` Hz, on the bore as given.
@@ -122,7 +121,7 @@ PlayingSetup lips_at(const Parameters& parameters, double aimed) {
     valve.mass /= playing.reed_scale * playing.reed_scale;
   } else {
     const double opening_factor =
-        std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+        math::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
     valve.rest_angle *= opening_factor;
     valve.mass /= opening_factor;
   }
@@ -139,11 +138,11 @@ int overblow_interval(const Parameters& parameters) {
 } // namespace
 
 Fingering standard_fingering(const Parameters& parameters, double bore_frequency) noexcept {
-  const double quarter_tone = std::exp2(1.0 / 24);
+  const double quarter_tone = math::exp2(1.0 / 24);
   const bool vented = parameters.end != BoreEnd::kOpen && parameters.register_note > 0 &&
                       bore_frequency * quarter_tone >= parameters.register_note;
   const double fingered_frequency =
-      vented ? bore_frequency * std::exp2(-overblow_interval(parameters) / 12.0) : bore_frequency;
+      vented ? bore_frequency * math::exp2(-overblow_interval(parameters) / 12.0) : bore_frequency;
   return {fingering_for(parameters.end, fingered_frequency), vented};
 }
 

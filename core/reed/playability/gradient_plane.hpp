@@ -1,10 +1,10 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/instrument/parameters.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace tactus::reed {
 
@@ -21,7 +21,7 @@ struct ControlRange {
   }
   /// Even steps of z are even musical intervals.
   [[nodiscard]] double frequency(double z) const noexcept {
-    return lowest_frequency * std::pow(highest_frequency / lowest_frequency, z);
+    return lowest_frequency * math::pow(highest_frequency / lowest_frequency, z);
   }
 };
 

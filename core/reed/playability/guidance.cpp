@@ -1,5 +1,7 @@
 #include "core/reed/playability/guidance.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +9,7 @@ namespace tactus::reed {
 namespace {
 
 double smoothing_gain(double elapsed_s, double time_constant_s) noexcept {
-  return time_constant_s > 0 ? 1 - std::exp(-elapsed_s / time_constant_s) : 1;
+  return time_constant_s > 0 ? 1 - math::exp(-elapsed_s / time_constant_s) : 1;
 }
 
 double clamp_to_unit(double x) noexcept { return std::clamp(x, 0.0, 1.0); }
@@ -38,8 +40,8 @@ PlaneForce ForceSmoother::advance(const PlaneForce& target, double elapsed_s) no
 PlaneForce gradient_force(const Gradient& gradient, double gain_n, double ceiling_n) noexcept {
   if (!(ceiling_n > 0))
     return {};
-  return {ceiling_n * std::tanh(gain_n * gradient.y / ceiling_n),
-          ceiling_n * std::tanh(gain_n * gradient.z / ceiling_n)};
+  return {ceiling_n * math::tanh(gain_n * gradient.y / ceiling_n),
+          ceiling_n * math::tanh(gain_n * gradient.z / ceiling_n)};
 }
 
 void Guidance::set(const Settings& settings) noexcept {
@@ -76,7 +78,7 @@ PlaneForce Guidance::advance(const GuidanceField& field, double y, double z, dou
   const double distance = field.distance(y, z);
   Gradient slope = field.slope(y, z);
   // Differences along two axes can make a slope a little longer than 1 where a border has a corner.
-  const double slope_norm = std::max(1.0, std::hypot(slope.y, slope.z));
+  const double slope_norm = std::max(1.0, math::hypot(slope.y, slope.z));
   slope = {slope.y / slope_norm, slope.z / slope_norm};
   const double predicted_distance =
       distance + settings_.anticipation_s * (velocity_y_ * slope.y + velocity_z_ * slope.z);
@@ -91,7 +93,7 @@ PlaneForce Guidance::advance(const GuidanceField& field, double y, double z, dou
                        std::min(clamp_to_unit(1 + distance / settings_.margin),
                                 clamp_to_unit(1 - 2 * distance / settings_.margin));
   PlaneForce force{-pull * slope.y - brake * velocity_y_, -pull * slope.z - brake * velocity_z_};
-  const double magnitude = std::hypot(force.y, force.z);
+  const double magnitude = math::hypot(force.y, force.z);
   if (magnitude > settings_.ceiling_n) {
     force.y *= settings_.ceiling_n / magnitude;
     force.z *= settings_.ceiling_n / magnitude;

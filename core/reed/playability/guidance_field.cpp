@@ -1,5 +1,6 @@
 #include "core/reed/playability/guidance_field.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/playability/distance_transform.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ void blur(Nodes& values, std::size_t stride) {
   double weight_sum = 0;
   for (std::size_t j = 0; j < weight.size(); ++j) {
     const double x = static_cast<double>(j) * kSpacing / GuidanceField::kBlur;
-    weight[j] = std::exp(-0.5 * x * x);
+    weight[j] = math::exp(-0.5 * x * x);
     weight_sum += j == 0 ? weight[j] : 2 * weight[j];
   }
   std::array<double, kNodes> line;

@@ -1,5 +1,6 @@
 #include "core/reed/playability/linear_stability.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/radiation.hpp"
 #include "core/reed/bore/wall_loss.hpp"
 
@@ -11,7 +12,6 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = LinearStability::Complex;
 using std::numbers::pi;
 constexpr int kNewtonSteps = 40;
 constexpr int kScanPoints = 4096;
@@ -101,15 +101,15 @@ Equilibrium LinearStability::equilibrium(double mouth_pressure,
 LinearStability::Value LinearStability::round_trip(Complex s) const noexcept {
   const double transit = 2 * length_ / air_.sound_speed;
   if (parameters_.scalar_reflection > 0) {
-    const Complex value = -parameters_.scalar_reflection * std::exp(-transit * s);
+    const Complex value = -parameters_.scalar_reflection * math::exp(-transit * s);
     return {value, -transit * value};
   }
-  const Complex root = std::sqrt(s);
+  const Complex root = math::sqrt(s);
   if (end_ != nullptr) {
     const double ratio = air_at(20).sound_speed / air_.sound_speed;
     const Termination::Value end = end_->reflectance(ratio * s);
     const double there = transit + 2 * end_->extra_length / air_.sound_speed;
-    const Complex propagation = std::exp(-there * s - loss_ * root);
+    const Complex propagation = math::exp(-there * s - loss_ * root);
     return {end.value * propagation,
             (ratio * end.derivative - end.value * (there + 0.5 * loss_ / root)) * propagation};
   }
@@ -118,7 +118,7 @@ LinearStability::Value LinearStability::round_trip(Complex s) const noexcept {
   using End = OpenEnd;
   const Complex numerator = 1.0 + End::kNumerator * j;
   const Complex denominator = 1.0 + j * (End::kFirst + End::kSecond * j);
-  const Complex value = -numerator / denominator * std::exp(-transit * s - loss_ * root);
+  const Complex value = -numerator / denominator * math::exp(-transit * s - loss_ * root);
   const Complex logarithmic =
       scale * (End::kNumerator / numerator - (End::kFirst + 2 * End::kSecond * j) / denominator) -
       transit - 0.5 * loss_ / root;
@@ -205,15 +205,15 @@ Mode LinearStability::refine(Complex start, const Valve& valve) const noexcept {
   for (int i = 0; i < kNewtonSteps; ++i) {
     const Value f = characteristic(s, valve);
     Complex step = f.value / f.derivative;
-    const double size = std::abs(step);
+    const double size = math::abs(step);
     if (!(size < 1e300))
       return {};
     if (size > max_step)
       step *= max_step / size;
     s -= step;
     if (s.imag() < 0)
-      s = std::conj(s);
-    if (size < 1e-10 * std::abs(s))
+      s = math::conj(s);
+    if (size < 1e-10 * math::abs(s))
       return {s.real(), s.imag() / (2 * pi), s.imag() > 0};
   }
   return {};
@@ -258,7 +258,7 @@ Mode LinearStability::dominant_mode(double mouth_pressure,
     double previous = omega;
     for (int i = 0; i < kScanPoints && omega < highest; ++i) {
       const Value f = characteristic({line.growth, omega}, valve);
-      step = {step[1], step[2], std::abs(f.value / f.derivative)};
+      step = {step[1], step[2], math::abs(f.value / f.derivative)};
       if (i >= 2 && step[1] <= step[0] && step[1] <= step[2])
         consider({line.growth, previous});
       previous = omega;

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/air.hpp"
 #include "core/reed/instrument/parameters.hpp"
-
-#include <complex>
 
 namespace tactus::reed {
 
@@ -46,8 +45,6 @@ struct Threshold {
 /// silent. No allocation; every search has a fixed limit of steps.
 class LinearStability {
 public:
-  using Complex = std::complex<double>;
-
   /// length_m > 0 is the bore length L; reed_frequency_hz > 0 is the player's f_r. end: termination
   /// of the bore, which must outlive this object; null: an open end.
   LinearStability(const Parameters& parameters, double length_m,

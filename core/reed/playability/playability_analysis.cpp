@@ -1,5 +1,7 @@
 #include "core/reed/playability/playability_analysis.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,7 +21,7 @@ void PeriodicityAnalysis::prepare(double sample_rate, std::shared_ptr<RealTransf
     return;
   sample_rate_ = sample_rate;
   transform_ = std::move(transform);
-  const auto power = std::clamp(std::lround(std::log2(kFrameTime * sample_rate)), 6L, 20L);
+  const auto power = std::clamp(std::lround(math::log2(kFrameTime * sample_rate)), 6L, 20L);
   const std::size_t size = std::size_t{1} << power;
   if (transform_)
     transform_->prepare(size);
@@ -61,7 +63,7 @@ void PeriodicityAnalysis::difference() noexcept {
   transform_->forward(frame_, spectrum_);
   transform_->forward(work_, half_frame_spectrum_);
   for (std::size_t k = 0; k < spectrum_.size(); ++k)
-    half_frame_spectrum_[k] = spectrum_[k] * std::conj(half_frame_spectrum_[k]);
+    half_frame_spectrum_[k] = spectrum_[k] * math::conj(half_frame_spectrum_[k]);
   transform_->inverse(half_frame_spectrum_, work_);
   double first = 0;
   for (std::size_t j = 0; j < half; ++j)
@@ -119,15 +121,15 @@ void PeriodicityAnalysis::analyse() noexcept {
     result_.frequency_hz = sample_rate_ / (static_cast<double>(best) + shift);
   result_.periodicity = 1 - minimum;
   const double harmonics_to_noise = std::max(result_.periodicity, 1e-9) / std::max(minimum, 1e-9);
-  result_.harmonicity_db = 10 * std::log10(harmonics_to_noise);
+  result_.harmonicity_db = 10 * math::log10(harmonics_to_noise);
 
   for (std::size_t j = 0; j < size; ++j)
-    work_[j] = frame_[j] * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(j) /
-                                                 static_cast<double>(size)));
+    work_[j] = frame_[j] * (0.5 - 0.5 * math::cos(2 * std::numbers::pi * static_cast<double>(j) /
+                                                  static_cast<double>(size)));
   transform_->forward(work_, spectrum_);
   double power = 0, moment = 0;
   for (std::size_t k = 1; k < spectrum_.size(); ++k) {
-    const double p = std::norm(spectrum_[k]);
+    const double p = math::norm(spectrum_[k]);
     power += p;
     moment += p * static_cast<double>(k);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <complex>
+#include "core/dsp/complex.hpp"
+
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -11,7 +12,6 @@ namespace tactus::reed {
 /// Interface of a discrete Fourier transform of real signals, implemented outside of core.
 class RealTransform {
 public:
-  using Complex = std::complex<double>;
   virtual ~RealTransform() = default;
   /// Prepares for signals of size samples, a power of two; may allocate and lock.
   virtual void prepare(std::size_t size) = 0;
@@ -54,7 +54,7 @@ private:
   double sample_rate_ = 0;
   std::shared_ptr<RealTransform> transform_;
   std::vector<double> ring_, frame_, work_, difference_;
-  std::vector<std::complex<double>> spectrum_, half_frame_spectrum_;
+  std::vector<Complex> spectrum_, half_frame_spectrum_;
   std::size_t write_ = 0, filled_ = 0, samples_since_frame_ = 0;
   Periodicity result_{};
 };

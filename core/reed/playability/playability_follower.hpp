@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
 #include "core/dsp/simd.hpp"
 
 #include <cmath>
@@ -51,9 +52,9 @@ public:
     parameters_ = parameters;
     if (!(sample_rate_ > 0))
       return;
-    pole_ = std::exp(-2 * std::numbers::pi * parameters.highpass_hz / sample_rate_);
-    attack_ = std::exp(-1 / (parameters.attack_s * sample_rate_));
-    release_ = std::exp(-1 / (parameters.release_s * sample_rate_));
+    pole_ = math::exp(-2 * std::numbers::pi * parameters.highpass_hz / sample_rate_);
+    attack_ = math::exp(-1 / (parameters.attack_s * sample_rate_));
+    release_ = math::exp(-1 / (parameters.release_s * sample_rate_));
     hop_ = static_cast<int>(std::lround(sample_rate_ * kHopTime));
     if (hop_ < 1)
       hop_ = 1;
@@ -64,7 +65,7 @@ public:
       clear_counts();
     }
     rate_per_crossing_ = sample_rate_ / (static_cast<double>(window_) * hop_);
-    mean_gain_ = 1 - std::exp(-hop_ / (kMeanTime * sample_rate_));
+    mean_gain_ = 1 - math::exp(-hop_ / (kMeanTime * sample_rate_));
   }
 
   void reset() noexcept {

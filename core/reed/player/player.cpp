@@ -1,5 +1,6 @@
 #include "core/reed/player/player.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/reed/bore/brass.hpp"
 #include "core/reed/instrument/tuning.hpp"
 
@@ -45,8 +46,8 @@ bool same_note_parameters(const Parameters& a, Parameters b) {
 } // namespace
 
 void Player::prepare(double sample_rate) noexcept {
-  rise_gain_ = 1 - std::exp(-TuningController::kPeriod / (kRiseTime * sample_rate));
-  fall_gain_ = 1 - std::exp(-TuningController::kPeriod / (kFallTime * sample_rate));
+  rise_gain_ = 1 - math::exp(-TuningController::kPeriod / (kRiseTime * sample_rate));
+  fall_gain_ = 1 - math::exp(-TuningController::kPeriod / (kFallTime * sample_rate));
   tongue_.prepare(sample_rate);
   tuning_controller_.prepare(sample_rate);
 }
@@ -99,7 +100,7 @@ const Player::Configuration& Player::control(double bore_frequency, double reed_
 
 /// The note, or the note that is played instead when this one is refused.
 double Player::accept_note(double frequency) noexcept {
-  const double quarter_tone = std::exp2(1.0 / 24);
+  const double quarter_tone = math::exp2(1.0 / 24);
   const double lowest = parameters_.lowest_note, highest = parameters_.highest_note;
   const bool low = frequency * quarter_tone < lowest;
   if (!low && !(highest > 0 && frequency > highest * quarter_tone)) {
@@ -183,7 +184,7 @@ void Player::finger(double frequency, bool leap) noexcept {
   constexpr double kBend = 0.8; // semitones
   const bool keep_fingering =
       !leap && fingering_end_ == parameters_.end && fingering_.end != nullptr &&
-      std::abs(69 + 12 * std::log2(frequency / 440) - key_of(parameters_, fingering_)) < kBend;
+      std::abs(69 + 12 * math::log2(frequency / 440) - key_of(parameters_, fingering_)) < kBend;
   if (!keep_fingering)
     fingering_ = standard_fingering(parameters_, frequency);
   configuration_.end = fingering_.end;
@@ -196,7 +197,7 @@ void Player::finger(double frequency, bool leap) noexcept {
 /// volume. The length to the first open hole is therefore that of the note whose standard fingering
 /// opens all holes from there on.
 void Player::use_open_holes() noexcept {
-  note_ = 440 * std::exp2((holes_->key - 69) / 12.0);
+  note_ = 440 * math::exp2((holes_->key - 69) / 12.0);
   lips_ = player_lips(parameters_, note_).valve;
   note_reed_scale_ = 1;
   configuration_.end = holes_;
@@ -255,10 +256,10 @@ void Player::update_lips() noexcept {
   if (breath_ == 1)
     return;
   relative_closing_pressure_ =
-      std::pow(breath_, parameters_.breath_opening + parameters_.breath_tension - 1);
-  configuration_.valve.rest_angle *= std::pow(breath_, parameters_.breath_opening);
-  configuration_.valve.mass *= std::pow(breath_, parameters_.breath_tension);
-  configuration_.valve.quality *= std::pow(breath_, parameters_.breath_quality);
+      math::pow(breath_, parameters_.breath_opening + parameters_.breath_tension - 1);
+  configuration_.valve.rest_angle *= math::pow(breath_, parameters_.breath_opening);
+  configuration_.valve.mass *= math::pow(breath_, parameters_.breath_tension);
+  configuration_.valve.quality *= math::pow(breath_, parameters_.breath_quality);
 }
 
 /// Trims the pitch by exp(logarithm): by the bore, and by the lips if they follow the note.
@@ -269,7 +270,7 @@ void Player::set_trim(double logarithm, bool moved) noexcept {
     return;
   configuration_.trim = logarithm;
   configuration_.reed_scale =
-      parameters_.embouchure > 0 ? note_reed_scale_ * std::exp(logarithm) : note_reed_scale_;
+      parameters_.embouchure > 0 ? note_reed_scale_ * math::exp(logarithm) : note_reed_scale_;
 }
 
 } // namespace tactus::reed

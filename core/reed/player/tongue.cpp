@@ -1,5 +1,7 @@
 #include "core/reed/player/tongue.hpp"
 
+#include "core/dsp/elementary.hpp"
+
 #include <numbers>
 
 namespace tactus::reed {
@@ -96,7 +98,7 @@ double Tongue::process_open(double pressure) noexcept {
 }
 
 double Tongue::opening_gain() const noexcept {
-  return opening_ < 1 ? 0.5 - 0.5 * std::cos(std::numbers::pi * opening_) : 1;
+  return opening_ < 1 ? 0.5 - 0.5 * math::cos(std::numbers::pi * opening_) : 1;
 }
 
 } // namespace tactus::reed

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/dsp/elementary.hpp"
+
 #include <algorithm>
-#include <cmath>
 
 namespace tactus::reed {
 
@@ -27,7 +28,7 @@ public:
     if (sample_rate == sample_rate_)
       return;
     sample_rate_ = sample_rate;
-    decay_ = std::exp(-1 / (kBurstTime * sample_rate));
+    decay_ = math::exp(-1 / (kBurstTime * sample_rate));
     reset();
   }
   /// Relative excess at the release: 1 doubles the pressure; 0: acts on articulate() only.

@@ -1,5 +1,7 @@
 #include "core/reed/player/tuning_controller.hpp"
 
+#include "core/dsp/complex.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,7 +25,7 @@ constexpr double kMaxPitchRate = 2;                 // 1/s, of ln f; faster targ
 
 void TuningController::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
-  power_pole_ = std::exp(-kPeriod / (0.02 * sample_rate));
+  power_pole_ = math::exp(-kPeriod / (0.02 * sample_rate));
   const double frequency = frequency_;
   reset();
   if (frequency > 0)
@@ -52,10 +54,10 @@ void TuningController::clear_corrections() noexcept {
 /// Finds the target among the remembered notes. Notes without a confirmed correction start with the
 /// present trim, reduced with the distance of a leap.
 void TuningController::select_note(double frequency_hz, bool leap) noexcept {
-  const double at = std::clamp(kSteps * std::log2(frequency_hz / kLowest), 0.0, kCount - 1.5);
+  const double at = std::clamp(kSteps * math::log2(frequency_hz / kLowest), 0.0, kCount - 1.5);
   const auto note = static_cast<std::size_t>(at);
   const double start = leap && frequency_ > 0
-                           ? trim_ / (1 + std::abs(std::log2(frequency_hz / frequency_)) * 3)
+                           ? trim_ / (1 + std::abs(math::log2(frequency_hz / frequency_)) * 3)
                            : trim_;
   for (std::size_t i = note; i <= note + 1; ++i)
     if (!corrections_[i].confirmed && (leap || (i != note_ && i != note_ + 1)))
@@ -113,7 +115,7 @@ void TuningController::set_target(double frequency_hz) noexcept {
   const double omega = 2 * pi * frequency_hz / sample_rate_;
   cosine_[0] = 1;
   sine_[0] = 0;
-  double c = std::cos(omega), s = std::sin(omega);
+  double c = math::cos(omega), s = math::sin(omega);
   for (std::size_t size = 1; size < cosine_.size(); size *= 2) {
     for (std::size_t i = 0; i < size; ++i) {
       cosine_[size + i] = cosine_[i] * c - sine_[i] * s;
@@ -163,10 +165,10 @@ void TuningController::track_pitch(const double* bore_pressure, int count) noexc
 }
 
 void TuningController::smooth_period() noexcept {
-  const std::complex<double> sum(even_.real + odd_.real, even_.imaginary + odd_.imaginary);
-  const std::complex<double> demodulated = phase_ * sum / static_cast<double>(kPeriod);
+  const Complex sum(even_.real + odd_.real, even_.imaginary + odd_.imaginary);
+  const Complex demodulated = phase_ * sum / static_cast<double>(kPeriod);
   phase_ *= phase_step_;
-  phase_ /= std::sqrt(std::norm(phase_));
+  phase_ /= std::sqrt(math::norm(phase_));
   smoothed_ = demodulated + pole_ * (smoothed_ - demodulated);
   twice_smoothed_ = smoothed_ + pole_ * (twice_smoothed_ - smoothed_);
   smoothed_pitch_rate_ = pitch_rate_ + pole_ * (smoothed_pitch_rate_ - pitch_rate_);
@@ -186,9 +188,9 @@ void TuningController::update() noexcept {
   if (sample_count_ == 0)
     return;
   silence_count_ = std::max(0, silence_count_ - 1);
-  const std::complex<double> before = twice_smoothed_;
+  const Complex before = twice_smoothed_;
   smooth_period();
-  const double amplitude = 2 * std::sqrt(std::norm(twice_smoothed_));
+  const double amplitude = 2 * std::sqrt(math::norm(twice_smoothed_));
   if (!(amplitude < 1e9)) {
     const double saved_trim = trim_;
     reset();
@@ -208,7 +210,7 @@ void TuningController::update() noexcept {
   }
   const double period = kPeriod / sample_rate_;
   const double measured_error =
-      std::arg(twice_smoothed_ * std::conj(before)) / (2 * pi * frequency_ * period);
+      math::arg(twice_smoothed_ * math::conj(before)) / (2 * pi * frequency_ * period);
   if (!(std::abs(measured_error) < kMaxError)) {
     count_off_target(true);
     return;

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/instrument/parameters.hpp"
 
 #include <array>
-#include <complex>
 #include <cstddef>
 
 namespace tactus::reed {
@@ -81,7 +81,7 @@ private:
   double sample_rate_ = 48000, frequency_ = 0;
   std::array<double, kPeriod> cosine_{}, sine_{};
   Sums even_, odd_;
-  std::complex<double> phase_step_ = 1, phase_ = 1, smoothed_ = 0, twice_smoothed_ = 0;
+  Complex phase_step_ = 1, phase_ = 1, smoothed_ = 0, twice_smoothed_ = 0;
   double pitch_rate_ = 0, smoothed_pitch_rate_ = 0,
          twice_smoothed_pitch_rate_ = 0; // rates of ln f, per measurement
   // Sum of all changes of the trim: as requested, as the sound follows, as the filters show it.

@@ -1,9 +1,10 @@
 #include "externals/phantom/force/motor_memory.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include "core/haptic/chain/thermal.hpp"
 
+#include "core/dsp/elementary.hpp"
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <set>
@@ -30,7 +31,7 @@ Memory& memory() {
 /// An unloaded motor cools exponentially: h' = -h / tau.
 double decayed_n2(const Heat& heat, double now_s) noexcept {
   const double passed_s = std::max(now_s - heat.time_s, 0.0);
-  return heat.heat_n2 * std::exp(-passed_s / haptic::ThermalLimit::kTimeConstant_s);
+  return heat.heat_n2 * math::exp(-passed_s / haptic::ThermalLimit::kTimeConstant_s);
 }
 
 } // namespace

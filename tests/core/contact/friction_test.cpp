@@ -1,4 +1,5 @@
 #include "core/contact/excited_body.hpp"
+#include "core/dsp/complex.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/contact/bodies.hpp"
 
@@ -6,7 +7,6 @@
 
 #include <array>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -163,7 +163,7 @@ double bowed_fundamental(double force, unsigned min_steps, int samples) {
   law.viscosity_ns_per_m = 0;
   body.set_friction(0, law);
   body.set_min_steps(min_steps);
-  std::complex<double> sum = 0;
+  tactus::Complex sum = 0;
   const int from = samples / 2;
   for (int n = 0; n < samples; ++n) {
     body.rub(0, force, kSpeed);
@@ -171,9 +171,9 @@ double bowed_fundamental(double force, unsigned min_steps, int samples) {
     CHECK(body.steps() >= 4);
     if (n >= from)
       sum += body.pickup_velocity() * (1 - std::cos(2 * kPi * n / (samples - from))) *
-             std::polar(1.0, -2 * kPi * kHz * n / 48000);
+             tactus::math::polar(1.0, -2 * kPi * kHz * n / 48000);
   }
-  return 2 * std::abs(sum) / (samples - from);
+  return 2 * abs(sum) / (samples - from);
 }
 
 } // namespace

@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/footstep/drive.hpp"
 #include "core/footstep/room.hpp"
 #include "core/footstep/sole_sensor.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -18,9 +18,9 @@ using namespace tactus::footstep;
 namespace {
 
 /// Spectrum of the filter's impulse response at f.
-std::complex<double> response(const std::vector<double>& impulse, double f, double rate) {
-  const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * f / rate);
-  std::complex<double> sum = 0;
+tactus::Complex response(const std::vector<double>& impulse, double f, double rate) {
+  const tactus::Complex turn = tactus::math::polar(1.0, -2 * std::numbers::pi * f / rate);
+  tactus::Complex sum = 0;
   for (std::size_t n = impulse.size(); n-- > 0;) // Horner's rule
     sum = sum * turn + impulse[n];
   return sum;
@@ -42,7 +42,7 @@ double db(double ratio) { return 20 * std::log10(ratio); }
 TEST_CASE("the drive's band is 50 to 500 Hz within 5 %, 40 dB down at 12 Hz and 2 kHz, and quick") {
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     const auto impulse = impulse_of_band(rate);
-    const auto level = [&](double f) { return db(std::abs(response(impulse, f, rate))); };
+    const auto level = [&](double f) { return db(abs(response(impulse, f, rate))); };
     CHECK(level(0) < -80);
     CHECK(level(50 / 1.05) < -3);
     CHECK(level(50 * 1.05) > -3);
@@ -52,7 +52,7 @@ TEST_CASE("the drive's band is 50 to 500 Hz within 5 %, 40 dB down at 12 Hz and 
     CHECK(level(2000) < -40);
     for (double f = 60; f < 450; f += 10)
       CHECK(std::abs(level(f)) < 0.5);
-    const double turn = std::arg(response(impulse, 201, rate) / response(impulse, 199, rate));
+    const double turn = arg(response(impulse, 201, rate) / response(impulse, 199, rate));
     CHECK(-turn / (2 * std::numbers::pi * 2) < 0.002);
   }
 }
@@ -61,7 +61,7 @@ TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 
   const auto impulse = impulse_of_band(48000);
   double outside = 0, whole = 0;
   for (double f = 2.5; f < 24000; f += f < 1000 ? 5 : 250) {
-    const double power = std::norm(response(impulse, f, 48000)) * (f < 1000 ? 5 : 250);
+    const double power = norm(response(impulse, f, 48000)) * (f < 1000 ? 5 : 250);
     whole += power;
     if (f < 40 || f > 600)
       outside += power;
@@ -102,7 +102,7 @@ TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
     for (std::size_t n = 0; n < impulse.size(); ++n)
       impulse[n] = equaliser.next(n == 0 ? 1 : 0);
     for (std::size_t i = 0; i < table.size(); i += 2)
-      CHECK(std::abs(db(std::abs(response(impulse, table[i], rate))) - table[i + 1]) < 0.2);
+      CHECK(std::abs(db(abs(response(impulse, table[i], rate))) - table[i + 1]) < 0.2);
   }
   ActuatorEqualiser equaliser;
   equaliser.prepare(48000);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/modal/body/struck_body.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -23,8 +23,9 @@
 /// What the tests of struck bodies share: a body in a harness, and measures of what it sounds like.
 namespace tactus::test {
 
+using tactus::Complex;
+
 using namespace modal;
-using Complex = std::complex<double>;
 
 inline constexpr double kPi = std::numbers::pi, kRate = 48000;
 
@@ -162,12 +163,12 @@ inline double largest_step(std::span<const float> sound) {
 inline Complex amplitude(std::span<const float> sound, Complex s, double rate = kRate) {
   Complex sum = 0, tone = 1;
   double weight = 0;
-  const Complex pole = std::exp(s / rate);
+  const Complex pole = exp(s / rate);
   const double turn = 2 * kPi / static_cast<double>(sound.size());
   for (std::size_t n = 0; n < sound.size(); ++n) {
     const double window = 0.5 - 0.5 * std::cos(turn * static_cast<double>(n));
-    sum += static_cast<double>(sound[n]) * window * std::conj(tone);
-    weight += std::norm(tone) * window;
+    sum += static_cast<double>(sound[n]) * window * conj(tone);
+    weight += norm(tone) * window;
     tone = {tone.real() * pole.real() - tone.imag() * pole.imag(),
             tone.real() * pole.imag() + tone.imag() * pole.real()};
   }
@@ -216,9 +217,9 @@ inline std::array<Complex, 2> spectrum(const Arrivals& arrivals, std::size_t mot
     for (std::size_t m = 0; m < BandLimit::kNodes; ++m)
       sum[m == 0] += (m == 0 ? 1 : BandLimit::kGaussWeight[m - 1]) *
                      pressure[n * BandLimit::kNodes + m] *
-                     std::polar(1., -2 * kPi * hz / rate *
-                                        (static_cast<double>(n) + BandLimit::kNode[m] -
-                                         static_cast<double>(BandLimit::kLatency)));
+                     tactus::math::polar(1., -2 * kPi * hz / rate *
+                                                 (static_cast<double>(n) + BandLimit::kNode[m] -
+                                                  static_cast<double>(BandLimit::kLatency)));
   return sum;
 }
 

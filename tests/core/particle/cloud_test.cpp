@@ -1,10 +1,10 @@
+#include "core/dsp/complex.hpp"
 #include "core/particle/cloud_rows.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <initializer_list>
 #include <limits>
 #include <numbers>
@@ -218,12 +218,12 @@ TEST_CASE("big grains sound lower by their exponent") {
     for (double& y : sound)
       y = cloud.next(1);
     for (std::size_t i = 0; i < power.size(); ++i) {
-      std::complex<double> sum = 0;
-      const auto turn = std::polar(1.0, -2 * std::numbers::pi * at_hz[i] / kRate);
+      Complex sum = 0;
+      const auto turn = tactus::math::polar(1.0, -2 * std::numbers::pi * at_hz[i] / kRate);
       for (std::size_t n = kLength; n-- > 0;)
         sum = sum * turn +
               sound[n] * (1 - std::cos(2 * std::numbers::pi * static_cast<double>(n) / kLength));
-      power[i] += std::norm(sum);
+      power[i] += norm(sum);
     }
   }
   CHECK(power[1] > 30 * power[0]);

@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
 
@@ -5,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <initializer_list>
 #include <limits>
 #include <numbers>
@@ -52,10 +52,11 @@ TEST_CASE(
         body.prepare(rate);
         body.set({&mode, 1});
         double sum = 0;
-        std::complex<double> first = 0, last = 0;
+        tactus::Complex first = 0, last = 0;
         const auto window = static_cast<long>(t60 / 3 * rate);
         const auto turn = [&](long n) {
-          return std::polar(1.0, -2 * std::numbers::pi * frequency * static_cast<double>(n) / rate);
+          return tactus::math::polar(1.0, -2 * std::numbers::pi * frequency *
+                                              static_cast<double>(n) / rate);
         };
         for (long n = 0; n < static_cast<long>(2 * t60 * rate); ++n) {
           const double y = body.next(n == 0 ? 2 : 0);
@@ -72,8 +73,8 @@ TEST_CASE(
         // The sum of a sampled square differs from its integral by less than 1 % while a period has
         // three samples and the decay a few periods.
         CHECK(sum == doctest::Approx(4 * 0.49).epsilon(0.01));
-        CHECK(20 * std::log10(std::abs(first / last)) == doctest::Approx(20).epsilon(0.02));
-        CHECK(std::abs(std::arg(last / first)) < 0.03);
+        CHECK(20 * std::log10(abs(first / last)) == doctest::Approx(20).epsilon(0.02));
+        CHECK(std::abs(arg(last / first)) < 0.03);
       }
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "tests/core/reed/reference_transform.hpp"
 #include "tests/core/reed/render.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <map>
 #include <numbers>
@@ -31,13 +31,13 @@ public:
     std::vector<double> work(size);
     for (std::size_t n = 0; n < size; ++n)
       work[n] = (signal[n] - middle) * window[n];
-    std::vector<std::complex<double>> bins(size / 2 + 1);
+    std::vector<Complex> bins(size / 2 + 1);
     reference::RadixTwo transform;
     transform.prepare(size);
     transform.forward(work, bins);
     amplitude_.resize(bins.size());
     for (std::size_t k = 0; k < bins.size(); ++k)
-      amplitude_[k] = std::abs(bins[k]) * 2 / (0.35875 * static_cast<double>(size));
+      amplitude_[k] = abs(bins[k]) * 2 / (0.35875 * static_cast<double>(size));
   }
 
   struct Peak {

@@ -24,7 +24,7 @@ public:
     for (std::size_t k = 0; k <= size / 2; ++k)
       points_[k] = spectrum[k];
     for (std::size_t k = size / 2 + 1; k < size; ++k)
-      points_[k] = std::conj(spectrum[size - k]);
+      points_[k] = conj(spectrum[size - k]);
     transform(1);
     for (std::size_t n = 0; n < size; ++n)
       signal[n] = points_[n].real();
@@ -44,8 +44,8 @@ private:
     for (std::size_t length = 2; length <= size; length *= 2)
       for (std::size_t k = 0; k < length / 2; ++k) {
         const Complex twiddle =
-            std::polar(1.0, sign * 2 * std::numbers::pi * static_cast<double>(k) /
-                                static_cast<double>(length));
+            tactus::math::polar(1.0, sign * 2 * std::numbers::pi * static_cast<double>(k) /
+                                         static_cast<double>(length));
         for (std::size_t start = k; start < size; start += length) {
           const Complex a = points_[start], x = points_[start + length / 2];
           const Complex b(x.real() * twiddle.real() - x.imag() * twiddle.imag(),

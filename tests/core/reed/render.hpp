@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/player/player.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -128,12 +128,12 @@ inline double largest_step(std::span<const double> x) {
 }
 
 /// Windowed Fourier sum at one frequency, scaled to a sine's amplitude (4-term Blackman-Harris).
-inline std::complex<double> component(std::span<const double> x, double rate, double frequency) {
+inline Complex component(std::span<const double> x, double rate, double frequency) {
   const double size = static_cast<double>(x.size()), m = mean(x);
-  std::complex<double> sum = 0;
-  const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * frequency / rate);
-  const std::complex<double> step = std::polar(1.0, 2 * std::numbers::pi / size);
-  std::complex<double> phase = 1, window_phase = 1;
+  Complex sum = 0;
+  const Complex turn = tactus::math::polar(1.0, -2 * std::numbers::pi * frequency / rate);
+  const Complex step = tactus::math::polar(1.0, 2 * std::numbers::pi / size);
+  Complex phase = 1, window_phase = 1;
   for (std::size_t n = 0; n < x.size(); ++n) {
     const double c1 = window_phase.real(), c2 = 2 * c1 * c1 - 1, c3 = 4 * c1 * c1 * c1 - 3 * c1;
     sum += (x[n] - m) * (0.35875 - 0.48829 * c1 + 0.14128 * c2 - 0.01168 * c3) * phase;
@@ -161,7 +161,7 @@ template <class F> double maximum_of(const F& f, double low, double high, int st
 
 /// Pitch: the strongest bin between the bounds, refined.
 inline double pitch(std::span<const double> x, double rate, double lowest, double highest) {
-  const auto level = [&](double f) { return std::abs(component(x, rate, f)); };
+  const auto level = [&](double f) { return abs(component(x, rate, f)); };
   // The main lobe is eight bins wide: every second one will do.
   const double step = 2 * rate / static_cast<double>(x.size());
   double best = lowest, size = -1;
@@ -177,7 +177,7 @@ inline double cents(double a, double b) { return 1200 * std::log2(a / b); }
 
 /// Level of a harmonic relative to the fundamental, dB.
 inline double harmonic_db(std::span<const double> x, double rate, double f0, int n) {
-  return 20 * std::log10(std::abs(component(x, rate, n * f0)) / std::abs(component(x, rate, f0)));
+  return 20 * std::log10(abs(component(x, rate, n * f0)) / abs(component(x, rate, f0)));
 }
 
 } // namespace tactus::reed::test

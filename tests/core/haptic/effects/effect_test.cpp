@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
 #include "core/haptic/servo/local_models.hpp"
@@ -6,7 +7,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -110,17 +110,17 @@ TEST_CASE("inertia has the impedance of a mass behind a spring and a damper") {
     settings.inertia = {0.4, 500, 2};
     EffectRig rig(settings);
     const double period = 1e-4, w = 2 * pi * hz; // fine ticks: the backward rule is of first order
-    std::complex<double> sum = 0;
+    tactus::Complex sum = 0;
     const int turn = static_cast<int>(std::round(1 / (hz * period))), settle = 30000;
     for (int n = 0; n < settle + turn; ++n) {
       const double force = rig.tick({0, 1e-3 * std::sin(w * n * period), 0}, period).y;
       if (n >= settle)
-        sum += force * std::exp(std::complex<double>(0, -w * n * period));
+        sum += force * exp(tactus::Complex(0, -w * n * period));
     }
-    sum *= std::complex<double>(0, 2.0 / turn / 1e-3);
-    const std::complex<double> coupling(500, w * 2), mass = 0.4 * w * w;
-    const std::complex<double> theory = mass * coupling / (coupling - mass);
-    CHECK(std::abs(sum - theory) < 0.02 * std::abs(theory));
+    sum *= tactus::Complex(0, 2.0 / turn / 1e-3);
+    const tactus::Complex coupling(500, w * 2), mass = 0.4 * w * w;
+    const tactus::Complex theory = mass * coupling / (coupling - mass);
+    CHECK(abs(sum - theory) < 0.02 * abs(theory));
   }
 }
 

@@ -100,8 +100,8 @@ TEST_CASE("a rate is the frequency with its decay, which follows the frequency t
     settings.size = size;
     const BodyModel m = make_model(modes({100, 1000}, {300, 1e6}), settings);
     CHECK(rate(m, 0).real() == approx(-300 / size));
-    CHECK(std::abs(rate(m, 0)) == approx(2 * kPi * 100 / size));
-    CHECK(std::abs(rate(m, 1)) == approx(2 * kPi * 1000 / size));
+    CHECK(abs(rate(m, 0)) == approx(2 * kPi * 100 / size));
+    CHECK(abs(rate(m, 1)) == approx(2 * kPi * 1000 / size));
     CHECK(rate(m, 1).real() == approx(-.999 * 2 * kPi * 1000 / size));
   }
 }
@@ -232,7 +232,7 @@ TEST_CASE("loudness is the A-weighting of IEC 61672-1 times the weight at the lo
     CAPTURE(hz[k]);
     const std::size_t i = m.index_of[k];
     CHECK(std::abs(20 * std::log10(m.a_weight[i]) - table[k].second) < .11);
-    const double loudest = std::max(std::abs(m.weight[0][i]), std::abs(m.weight[1][i]));
+    const double loudest = std::max(abs(m.weight[0][i]), abs(m.weight[1][i]));
     CHECK(m.loudest_weight(i) == approx(loudest));
     CHECK(m.loudness[i] == approx(m.a_weight[i] * loudest));
   }
@@ -290,7 +290,7 @@ TEST_CASE("a new model continues every mode's state, and so its energy, in bank 
       CAPTURE(k);
       const Complex was = contacting ? before.solver.state(i) : before.bank.state(i);
       const Complex is = contacting ? after.solver.state(j) : after.bank.state(j);
-      CHECK(std::abs(is - was) < 1e-5 * std::abs(was));
+      CHECK(abs(is - was) < 1e-5 * abs(was));
     }
   }
 }

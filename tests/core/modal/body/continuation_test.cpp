@@ -52,7 +52,7 @@ struct Ringing : Rig {
   }
   double state(std::size_t mode_of_table) {
     flush();
-    return std::abs(body.model()->bank.state(body.model()->index_of[mode_of_table]));
+    return abs(body.model()->bank.state(body.model()->index_of[mode_of_table]));
   }
   double energy() {
     double sum = 0;
@@ -110,7 +110,7 @@ TEST_CASE("a mode without a successor fades within 1024 samples, the others soun
     missing[n] = whole[n] - less[n];
   const double omega = 2 * kPi * plate.table.frequency_hz[1];
   const auto tone = [&](std::size_t from) {
-    return std::abs(amplitude(std::span(missing).subspan(from, 2400), {0, omega}));
+    return abs(amplitude(std::span(missing).subspan(from, 2400), {0, omega}));
   };
   CHECK(tone(1200) > 0);
   // It decays as the mode does, alpha = omega eta/2: what is taken away is the mode and no more.

@@ -200,7 +200,7 @@ TEST_CASE("levels are those of the lowest modes at the louder listener, in dB fr
   REQUIRE(levels.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     const std::size_t k = model.index_of[lowest[i]];
-    const double size = std::abs(model.solver.state(k)) * std::abs(model.weight[0][k]);
+    const double size = abs(model.solver.state(k)) * abs(model.weight[0][k]);
     CHECK(levels[i] == approx(20 * std::log10(size * .1)).epsilon(1e-3));
   }
   static_cast<void>(rig.run(480));
@@ -209,8 +209,7 @@ TEST_CASE("levels are those of the lowest modes at the louder listener, in dB fr
   const Output output = rig.run(24000); // measured
   for (std::size_t i = 0; i < 2; ++i) {
     const Complex s = model.rate[model.index_of[lowest[i]]];
-    const double heard =
-        std::max(std::abs(amplitude(output.left, s)), std::abs(amplitude(output.right, s)));
+    const double heard = std::max(abs(amplitude(output.left, s)), abs(amplitude(output.right, s)));
     CHECK(levels[i] == approx(20 * std::log10(heard)).epsilon(1e-3));
   }
 }
@@ -317,7 +316,7 @@ TEST_CASE("a mode rings until it is 160 dB below full scale, and not longer") {
     rig.hit({}, 1);
     static_cast<void>(rig.run(480));
     const double size =
-        std::abs(rig.body.model()->bank.state(0)) * std::abs(rig.body.model()->weight[0][0]) * gain;
+        abs(rig.body.model()->bank.state(0)) * abs(rig.body.model()->weight[0][0]) * gain;
     const double sounds_s = std::log(size / 1e-8) / 50;
     static_cast<void>(rig.run(static_cast<std::size_t>((sounds_s - 0.03) * 48000)));
     CHECK(!rig.body.model()->bank.idle());

@@ -33,13 +33,13 @@ TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their dec
   for (std::size_t k = 0; k < 6; ++k) {
     const auto s = model.rate[k];
     const auto a = amplitude(early.left, s), b = amplitude(late.left, s);
-    if (std::abs(a) < 1e-7)
+    if (abs(a) < 1e-7)
       continue; // a mode that the listener's place does not move
-    const auto expected = std::exp(s * 0.5);
+    const auto expected = exp(s * 0.5);
     CAPTURE(k);
     // Turned by the frequency's error times half a second: 0.05 Hz would be 0.16 radians.
-    CHECK(std::abs(std::arg(b / a / expected)) < 0.03);
-    CHECK(std::log(std::abs(b / a)) == approx(s.real() * 0.5).epsilon(0.01));
+    CHECK(std::abs(arg(b / a / expected)) < 0.03);
+    CHECK(std::log(abs(b / a)) == approx(s.real() * 0.5).epsilon(0.01));
   }
 }
 

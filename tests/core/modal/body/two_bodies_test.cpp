@@ -58,8 +58,7 @@ TEST_CASE("two tables are one, each mode with its shape on its own body alone") 
         continue; // too high
       const std::size_t here = joined.index_of[part.mode[k]];
       CHECK(gain[here] == wanted[alone.index_of[k]]);
-      CHECK(std::abs(joined.rate[here] - alone.rate[alone.index_of[k]]) <
-            1e-9 * std::abs(joined.rate[here]));
+      CHECK(abs(joined.rate[here] - alone.rate[alone.index_of[k]]) < 1e-9 * abs(joined.rate[here]));
       sum += std::abs(gain[here]);
     }
     for (const double g : gain)
@@ -202,7 +201,7 @@ TEST_CASE("settings of a body that rings on its board change without a jump") {
     rig.rebuild();
     after = rig.run(640).left;
     CHECK(jump() < 1.5 * usual);
-    CHECK(std::abs(amplitude(after, first)) > 0.3 * std::abs(amplitude(before, first)));
+    CHECK(abs(amplitude(after, first)) > 0.3 * abs(amplitude(before, first)));
     CHECK((rig.body.model()->solver.active() == 2) == !present.empty());
   }
 }
@@ -242,7 +241,7 @@ TEST_CASE("a force, a hand and a surface that rubs move both bodies") {
     double on_board = 0;
     for (std::size_t k = 0; k < model.mode.size(); ++k)
       if (rig.loaded->is_board_mode(model.mode[k]))
-        on_board += std::abs(model.solver.state(k));
+        on_board += abs(model.solver.state(k));
     CHECK(on_board > 1e-8);
     // A lasting push is carried by the points, and no body runs away from it.
     CHECK(std::abs(model.solver.rigid_energy()) < 1e-3);
@@ -273,9 +272,9 @@ TEST_CASE("a body and its board are heard as each is alone, together") {
         const std::size_t own = alone.index_of[k];
         if (own >= alone.audible_modes)
           continue;
-        const auto there = alone.weight[0][own] * std::exp(-alone.rate[own] * late);
+        const auto there = alone.weight[0][own] * exp(-alone.rate[own] * late);
         const auto here = joined.weight[0][joined.index_of[part.mode[k]]];
-        CHECK(std::abs(here - there) <= 2e-3 * std::abs(there));
+        CHECK(abs(here - there) <= 2e-3 * abs(there));
         seen |= there != 0.0;
       }
       CHECK((seen || listener.z < 0));

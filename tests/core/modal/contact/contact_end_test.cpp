@@ -326,7 +326,7 @@ TEST_CASE("energy is that of the motion, the recoil, the strikers, their height 
   double energy = 0;
   for (std::size_t k = 0; k < 2; ++k) {
     solver.set_state(k, {v[k] - rate[k].real() * q[k], rate[k].imag() * q[k]});
-    energy += .5 * (v[k] * v[k] + std::norm(rate[k]) * q[k] * q[k]);
+    energy += .5 * (v[k] * v[k] + norm(rate[k]) * q[k] * q[k]);
   }
   CHECK(solver.energy() == approx(energy).epsilon(1e-12));
   // What is far above a body without gain is a stone that falls: its energy stays.

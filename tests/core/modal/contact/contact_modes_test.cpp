@@ -36,12 +36,12 @@ struct RecursionReference {
   double free_displacement() const {
     double sum = 0;
     for (std::size_t k = 0; k < z.size(); ++k)
-      sum += body.gain[k] / body.rate[k].imag() * (std::exp(body.rate[k] * step) * z[k]).imag();
+      sum += body.gain[k] / body.rate[k].imag() * (exp(body.rate[k] * step) * z[k]).imag();
     return sum;
   }
   void move(double force, double beside = 0) {
     for (std::size_t k = 0; k < z.size(); ++k) {
-      const Complex p = std::exp(body.rate[k] * step);
+      const Complex p = exp(body.rate[k] * step);
       z[k] = p * z[k] + (body.gain[k] * force + body.other[k] * beside) * (p - 1.0) / body.rate[k];
     }
   }
@@ -105,7 +105,7 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
       CHECK(displacement_error < exact * largest);
       CHECK(output_error < exact * loudest);
       for (std::size_t k = 0; k < count; k += 7)
-        CHECK(std::abs(modes->state(k) - plain.z[k]) < exact * (std::abs(plain.z[k]) + 1e-2));
+        CHECK(abs(modes->state(k) - plain.z[k]) < exact * (abs(plain.z[k]) + 1e-2));
     }
   }
 }
@@ -117,7 +117,7 @@ TEST_CASE("any number of listeners gives the output of each alone") {
     const auto weight = [&](std::size_t listener) {
       std::vector<Complex> w;
       for (std::size_t k = 0; k < count; ++k)
-        w.push_back(body.weight[k] * std::polar(1., static_cast<double>(k * listener)));
+        w.push_back(body.weight[k] * tactus::math::polar(1., static_cast<double>(k * listener)));
       return w;
     };
     constexpr std::size_t kListeners = 12;
@@ -142,7 +142,7 @@ TEST_CASE("any number of listeners gives the output of each alone") {
           const auto w = weight(l);
           for (std::size_t k = 0; k < count; ++k) {
             sum += w[k] * plain.z[k];
-            size += std::abs(w[k] * plain.z[k]);
+            size += abs(w[k] * plain.z[k]);
           }
           CAPTURE(listening);
           CAPTURE(l);
@@ -187,10 +187,11 @@ TEST_CASE("the motion bounds of a point are above the largest amplitude, by litt
   static_cast<void>(modes->set_gain(0, body.gain));
   double displacement = 0, speed = 0;
   for (std::size_t k = 0; k < kSmall; ++k) {
-    const Complex z = std::polar(1.0 + 0.1 * static_cast<double>(k), static_cast<double>(k));
+    const Complex z =
+        tactus::math::polar(1.0 + 0.1 * static_cast<double>(k), static_cast<double>(k));
     modes->set_state(k, z);
-    displacement += std::abs(body.gain[k] / body.rate[k].imag()) * std::abs(z);
-    speed += std::abs(body.gain[k]) * std::abs(z);
+    displacement += std::abs(body.gain[k] / body.rate[k].imag()) * abs(z);
+    speed += std::abs(body.gain[k]) * abs(z);
   }
   const auto bounds = modes->motion_bounds(0);
   CHECK(bounds.displacement >= displacement);

@@ -58,8 +58,8 @@ void compare(const std::vector<Complex>& rate, const std::vector<FlyingStriker>&
   for (const auto& contact : fine.contacts)
     maximum = std::max(maximum, contact.impulse_ns);
   for (std::size_t k = 0; k < rate.size(); ++k)
-    fastest = std::max(
-        {fastest, std::abs(fine.velocity(k)), std::abs(rate[k]) * std::abs(fine.position(k))});
+    fastest =
+        std::max({fastest, std::abs(fine.velocity(k)), abs(rate[k]) * std::abs(fine.position(k))});
   for (std::size_t i = 0; i < strikers.size(); ++i) {
     CAPTURE(i);
     const auto& s = strikers[i].strike;

@@ -122,7 +122,7 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
     ContactSolver solver(rates, rate, 1, true);
     const ImpactRecord record = strike(solver, rate, ball(), gain, recoil);
     for (std::size_t k = 0; speeds && k < modes.size(); ++k)
-      speeds->push_back(std::abs(solver.state(k) * gain[k]));
+      speeds->push_back(abs(solver.state(k) * gain[k]));
     return record;
   };
   // An independent integration gave: rigid body 18.85 mN s and 0.895, modes below 22 kHz 18.17 mN s
@@ -163,6 +163,6 @@ TEST_CASE(
     solver.set_held_position(0, next);
     force = solver.step();
   }
-  const double compliance = gain * gain / std::norm(rate);
+  const double compliance = gain * gain / norm(rate);
   CHECK(force == approx(depth / (1e-5 + 1e-5 + compliance)).epsilon(0.002));
 }

@@ -56,10 +56,10 @@ Bowed measured(const std::vector<double>& velocity, double speed, double rate) {
     }
     found.share += v < 0.3 * speed ? 1 / samples : 0;
     sum += v * (1 - std::cos(2 * kPi * static_cast<double>(n) / samples)) *
-           std::polar(1.0, -2 * kPi * kFundamental * t);
+           tactus::math::polar(1.0, -2 * kPi * kFundamental * t);
   }
   found.slips = static_cast<double>(start_sample.size()) / (samples / rate * kFundamental);
-  found.fundamental = 2 * std::abs(sum) / samples;
+  found.fundamental = 2 * abs(sum) / samples;
   double mean = 0, square = 0;
   for (std::size_t n = 1; n < start_sample.size(); ++n) {
     const double apart = start_sample[n] - start_sample[n - 1];

@@ -52,7 +52,7 @@ void check_pulse(const std::string& body, const Striker& striker, double x = 0.0
     if (hz > highest)
       continue;
     const auto level = [&](const Output& output) {
-      return std::abs(amplitude(std::span(output.left).subspan(from, 40000), s, kFast));
+      return abs(amplitude(std::span(output.left).subspan(from, 40000), s, kFast));
     };
     CAPTURE(hz);
     if (level(coupled) > 1e-6)

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/contact/impact.hpp"
+#include "core/dsp/complex.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -23,8 +23,7 @@ public:
     double impulse_ns = 0;
   };
   /// Adds a coordinate that no contact moves yet.
-  std::size_t add(std::complex<double> rate, double position, double velocity,
-                  double acceleration = 0) {
+  std::size_t add(Complex rate, double position, double velocity, double acceleration = 0) {
     rate_.push_back(rate);
     acceleration_.push_back(acceleration);
     state_.insert(state_.end(), {position, velocity});
@@ -71,7 +70,7 @@ private:
     for (std::size_t k = 0; k < rate_.size(); ++k) {
       dy[2 * k] = y[2 * k + 1];
       dy[2 * k + 1] =
-          2 * rate_[k].real() * y[2 * k + 1] - std::norm(rate_[k]) * y[2 * k] + acceleration_[k];
+          2 * rate_[k].real() * y[2 * k + 1] - norm(rate_[k]) * y[2 * k] + acceleration_[k];
     }
     for (const Contact& c : contacts) {
       const double f = force(c, y);
@@ -81,7 +80,7 @@ private:
     return dy;
   }
 
-  std::vector<std::complex<double>> rate_;
+  std::vector<Complex> rate_;
   std::vector<double> acceleration_;
   State state_;
 };

@@ -60,7 +60,7 @@ double error(const BarOnBoard& bodies, const ImpactLaw& law, double push, double
   std::array<double, 6> bent{};
   for (std::size_t k = 0; k < 6; ++k) {
     for (std::size_t i = 0; i < 2; ++i)
-      bent[k] += bodies.gain[i][k] * bodies.preload()[i] / std::norm(bodies.rate[k]);
+      bent[k] += bodies.gain[i][k] * bodies.preload()[i] / norm(bodies.rate[k]);
     fine.add(bodies.rate[k], bent[k], k == 0 ? push : 0); // the bar's first mode
   }
   fine.add(0, 0, 0, -kGravity * std::sqrt(bodies.mass)); // lift
@@ -105,7 +105,7 @@ TEST_CASE("two bodies at rest on each other stay at rest") {
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(solver.contact(1 + i).exciter.force_n == approx(bodies.preload()[i]));
     for (std::size_t k = 0; k < 6; ++k)
-      CHECK(std::abs(solver.state(k)) < 1e-13);
+      CHECK(abs(solver.state(k)) < 1e-13);
   }
 }
 

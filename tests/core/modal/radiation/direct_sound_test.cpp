@@ -34,9 +34,7 @@ private:
 };
 
 /// q'' for a force exp(s t) at the mode of rate `mode`.
-Complex mode_response(Complex s, Complex mode) {
-  return s * s / ((s - mode) * (s - std::conj(mode)));
-}
+Complex mode_response(Complex s, Complex mode) { return s * s / ((s - mode) * (s - conj(mode))); }
 
 struct OneMode {
   OneMode(double frequency, double decay, double rate, double delay,
@@ -54,14 +52,14 @@ struct OneMode {
   Complex weight() const { return kernels.weight().empty() ? 0 : kernels.weight()[0]; }
   /// Of impulses at the samples: the kernel and what the bank rings, at a frequency.
   Complex sampled(double frequency) const {
-    const Complex z = std::polar(1.0, -2 * kPi * frequency / sample_rate);
+    const Complex z = tactus::math::polar(1.0, -2 * kPi * frequency / sample_rate);
     Complex sum = 0, power = 1;
     for (const float tap : samples) {
       sum += static_cast<double>(tap) * power;
       power *= z;
     }
-    const Complex p = std::exp(mode / sample_rate), w = weight() / sample_rate;
-    return sum + (w / (1.0 - p * z) - std::conj(w) / (1.0 - std::conj(p) * z)) / Complex(0, 2);
+    const Complex p = exp(mode / sample_rate), w = weight() / sample_rate;
+    return sum + (w / (1.0 - p * z) - conj(w) / (1.0 - conj(p) * z)) / Complex(0, 2);
   }
   double sample_rate;
   Complex mode;
@@ -98,11 +96,11 @@ TEST_CASE("a pushed mode sounds as its acceleration, slow or fast, at the listen
             CAPTURE(f);
             const Complex s(0, 2 * kPi * f);
             const Complex true_level =
-                mode_response(s, one.mode) * std::exp(-s * (delay + BandLimit::kLatency) / rate);
+                mode_response(s, one.mode) * exp(-s * (delay + BandLimit::kLatency) / rate);
             const Complex computed = one.sampled(f);
-            CHECK(std::abs(computed - true_level) < 0.006 * std::abs(true_level) + floor);
+            CHECK(abs(computed - true_level) < 0.006 * abs(true_level) + floor);
           }
-          CHECK(std::abs(one.sampled(0)) < 3e-6);
+          CHECK(abs(one.sampled(0)) < 3e-6);
         }
 }
 
@@ -111,10 +109,9 @@ TEST_CASE("a mode too high for the bank follows the force below it") {
   for (double f = 100; f < 20000; f *= 1.2) {
     const Complex s(0, 2 * kPi * f);
     CAPTURE(f);
-    const Complex late = std::exp(-s * (5.0 + BandLimit::kLatency) / 48000.0);
+    const Complex late = exp(-s * (5.0 + BandLimit::kLatency) / 48000.0);
     const Complex true_level = mode_response(s, one.mode) * late;
-    CHECK(std::abs(std::abs(one.sampled(f)) - std::abs(true_level)) <
-          0.012 * std::abs(true_level) + 3e-5);
+    CHECK(std::abs(abs(one.sampled(f)) - abs(true_level)) < 0.012 * abs(true_level) + 3e-5);
   }
 }
 
@@ -131,14 +128,14 @@ TEST_CASE("a force that acts throughout the samples sounds as its spectrum says"
     Complex z = 0;
     for (std::size_t n = 0; n < kSamples; ++n) {
       ForceMoments f{};
-      z *= std::exp(rate);
+      z *= exp(rate);
       for (std::size_t i = 0; i < (n < 3 ? kFine : 0); ++i) {
         const double v = 1 - (static_cast<double>(i) + 0.5) / kFine, x = 2 * v - 1;
         const double part = force(static_cast<double>(n) + 1 - v) / kFine;
         f[0] += part;
         f[1] += part * x;
         f[2] += part * (1.5 * x * x - 0.5);
-        z += part * std::exp(rate * v);
+        z += part * exp(rate * v);
       }
       output[n] += (one.weight() / 48000.0 * z).imag();
       for (std::size_t j = 0; j < f.size(); ++j)
@@ -149,16 +146,15 @@ TEST_CASE("a force that acts throughout the samples sounds as its spectrum says"
       const Complex s(10, 2 * kPi * hz); // under a window exp(-10 t)
       Complex computed = 0, transform = 0;
       for (std::size_t n = 0; n < kSamples; ++n)
-        computed += output[n] * std::exp(-s * (static_cast<double>(n) + 1) / 48000.0);
+        computed += output[n] * exp(-s * (static_cast<double>(n) + 1) / 48000.0);
       for (std::size_t i = 0; i < 10000; ++i) {
         const double t = (static_cast<double>(i) + 0.5) * kLast / 10000;
-        transform += force(t) * std::exp(-s * t / 48000.0) * kLast / 10000.0;
+        transform += force(t) * exp(-s * t / 48000.0) * kLast / 10000.0;
       }
-      const Complex true_level = mode_response(s, one.mode) * transform *
-                                 std::exp(-s * (7.3 + BandLimit::kLatency) / 48000.0);
+      const Complex true_level =
+          mode_response(s, one.mode) * transform * exp(-s * (7.3 + BandLimit::kLatency) / 48000.0);
       CAPTURE(hz);
-      CHECK(std::abs(computed - true_level) <
-            0.012 * std::abs(true_level) + 5e-4 * std::abs(transform));
+      CHECK(abs(computed - true_level) < 0.012 * abs(true_level) + 5e-4 * abs(transform));
     }
   }
 }
@@ -195,12 +191,12 @@ TEST_CASE("a free body's recoil is heard through its suspension, Butterworth's f
       Complex sum = 0;
       for (std::size_t n = 0; n < sound.size(); ++n)
         sum += static_cast<double>(sound[n]) *
-               std::polar(1., -2 * kPi * hz * static_cast<double>(n) / rate);
+               tactus::math::polar(1., -2 * kPi * hz * static_cast<double>(n) / rate);
       const double ratio =
           std::tan(kPi * DirectSound::kSuspensionHz / rate) / std::tan(kPi * hz / rate);
       CAPTURE(rate);
       CAPTURE(hz);
-      CHECK(std::abs(sum) == approx(1 / std::sqrt(1 + std::pow(ratio, 4))).epsilon(1e-3));
+      CHECK(abs(sum) == approx(1 / std::sqrt(1 + std::pow(ratio, 4))).epsilon(1e-3));
     }
     CHECK(sound.back() == 0); // and it falls asleep
   }

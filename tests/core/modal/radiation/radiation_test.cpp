@@ -77,13 +77,12 @@ TEST_CASE("the arrivals from a piston are those of the closed form, near and far
             const Complex s(0, 2 * kPi * hz);
             // From the shortest path on; what the delay line leaves of it is in the kernel.
             const Complex exact = kAir * kSound * (motion ? 3. : .5) *
-                                  (1. - std::exp(-s * (far - z) / kSound)) / s *
-                                  std::exp(-s * (travel.fractional_samples / kRate));
+                                  (1. - exp(-s * (far - z) / kSound)) / s *
+                                  exp(-s * (travel.fractional_samples / kRate));
             CAPTURE(motion);
             CAPTURE(hz);
             for (const Complex& sum : spectrum(*found, motion, hz, kRate))
-              CHECK(std::abs(sum - exact) <
-                    .02 * std::abs(exact) + (motion ? 3. : .5) * floor / std::abs(s));
+              CHECK(abs(sum - exact) < .02 * abs(exact) + (motion ? 3. : .5) * floor / abs(s));
           }
       }
 }
@@ -96,7 +95,7 @@ TEST_CASE("a shape that changes over a triangle is integrated with its slope") {
     table.shape[3 * v + 2] = static_cast<float>(table.vertex_m[v].x);
   const LoadedTable loaded(std::move(table));
   const auto level = [&](const Vec3& listener) {
-    return std::abs(spectrum(*arrivals(loaded, listener), 0, f, kRate)[0]);
+    return abs(spectrum(*arrivals(loaded, listener), 0, f, kRate)[0]);
   };
   // int x exp(j k x sin) dS = j 2 pi a^3 J2(q)/q, q = k a sin(angle)
   const double q = 2 * kPi * f / kSound * a * std::sin(angle);
@@ -191,8 +190,8 @@ TEST_CASE("a free body recoils as loudly in any size of the same density") {
     Complex sum = 0;
     for (std::size_t n = 0; n < kernel.rigid.size(); ++n)
       sum += static_cast<double>(kernel.rigid[n]) *
-             std::polar(1., -2 * kPi * 300 * static_cast<double>(n) / kRate);
-    return std::abs(sum);
+             tactus::math::polar(1., -2 * kPi * 300 * static_cast<double>(n) / kRate);
+    return abs(sum);
   };
   // Half the displaced air in added mass: 3/2 V rho_air/(4 pi r c) (1/m) jw (1 + c/(jw r)).
   const double c = 346.1, air = 1.184, r = 2, w = 2 * kPi * 300, volume = 4. / 3 * kPi * 8e-6;
@@ -200,7 +199,7 @@ TEST_CASE("a free body recoils as loudly in any size of the same density") {
   const ModalTable table = breathing_ball(.02);
   const double scale = table.air_density_kg_per_m3 / air, speed = table.sound_speed_m_per_s / c;
   const double expected = 1.5 * volume * air * scale / (4 * kPi * r * c * speed) *
-                          std::abs(Complex(c * speed / r, w)) / (volume * 2700);
+                          abs(Complex(c * speed / r, w)) / (volume * 2700);
   const double own = recoil(1, 0);
   CHECK(own == approx(expected).epsilon(.02));
   CHECK(recoil(2, 0) == approx(own).epsilon(.01));

@@ -213,7 +213,7 @@ TEST_CASE("a large or near triangle sounds as its parts, wherever the listener i
            surface_sources(surface, {&all, 1}, listener, 1, wavenumber, 1e-6))
         for (std::size_t j = 0; j < 3; ++j)
           found[j] += static_cast<double>(s.weight[j]) * s.area_m2 / s.distance_m *
-                      std::polar(1.0, -wavenumber * s.distance_m);
+                      tactus::math::polar(1.0, -wavenumber * s.distance_m);
       // Middles of small triangles, upright and turned; those at the listener have little area.
       constexpr int kRows = 400;
       for (int i = 0; i < kRows; ++i)
@@ -225,14 +225,15 @@ TEST_CASE("a large or near triangle sounds as its parts, wherever the listener i
             const Vec3 at = vertex[0] + b * (vertex[1] - vertex[0]) + c * (vertex[2] - vertex[0]);
             const double distance = norm(at - listener), area = .5 * norm(twice) / kRows / kRows;
             size += area / distance;
-            const Complex share = area / distance * std::polar(1.0, -wavenumber * distance);
+            const Complex share =
+                area / distance * tactus::math::polar(1.0, -wavenumber * distance);
             parts[0] += (1 - b - c) * share;
             parts[1] += b * share;
             parts[2] += c * share;
           }
       for (std::size_t j = 0; j < 3; ++j) {
         CAPTURE(j);
-        CHECK(std::abs(found[j] - parts[j]) < 1e-3 * size);
+        CHECK(abs(found[j] - parts[j]) < 1e-3 * size);
       }
     }
   }
@@ -266,7 +267,7 @@ TEST_CASE("a plate of 10 m that may not be resolved to 20 kHz keeps its pressure
   constexpr double kSize = 10, kWavenumber = 36.6; // m; 2 kHz in air
   Complex sum = 0, plain = 0;
   for (const SurfaceSource& s : square_sources(kSize))
-    sum += s.area_m2 / s.distance_m * std::polar(1.0, -kWavenumber * s.distance_m);
+    sum += s.area_m2 / s.distance_m * tactus::math::polar(1.0, -kWavenumber * s.distance_m);
   // Rayleigh's integral by squares of 20 mm, Gauss's two points a side in each.
   constexpr int kSquares = 500;
   constexpr double kSide = kSize / kSquares, kGauss = 0.5 / std::numbers::sqrt3;
@@ -274,9 +275,9 @@ TEST_CASE("a plate of 10 m that may not be resolved to 20 kHz keeps its pressure
   for (int i = 0; i < 2 * kSquares; ++i)
     for (int j = 0; j < 2 * kSquares; ++j) {
       const double distance = norm(Vec3{at(i), at(j), 0} - Vec3{3.1, 4.3, 1});
-      plain += 0.25 * kSide * kSide / distance * std::polar(1.0, -kWavenumber * distance);
+      plain += 0.25 * kSide * kSide / distance * tactus::math::polar(1.0, -kWavenumber * distance);
     }
-  CHECK(std::abs(sum - plain) < 1e-3 * std::abs(plain)); // 0.01 dB
+  CHECK(abs(sum - plain) < 1e-3 * abs(plain)); // 0.01 dB
 }
 
 TEST_CASE("a surface of 30 m or 10 km has no more sources than memory is for, and all its area" *

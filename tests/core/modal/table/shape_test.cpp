@@ -58,7 +58,7 @@ std::vector<double> energies(Rig& rig) {
   std::vector<double> energy;
   for (std::size_t k = 0; k < model.audible_modes; ++k) {
     const auto [q, speed] = rig.motion(k);
-    energy.push_back((speed * speed + std::norm(model.rate[model.index_of[k]]) * q * q) / 2);
+    energy.push_back((speed * speed + norm(model.rate[model.index_of[k]]) * q * q) / 2);
   }
   return energy;
 }
@@ -80,7 +80,7 @@ TEST_CASE("a cantilever's bending modes follow height and length of its section 
       const double n = of_length ? -2 : 1, error = n * (x - std::log1p(x));
       for (std::size_t k = 0; k < 5; ++k) {
         const Complex s = model.rate[model.index_of[k]];
-        const double f = std::abs(s) / (2 * kPi);
+        const double f = abs(s) / (2 * kPi);
         CHECK(std::log(f / exact[k]) == approx(error).epsilon(1e-9));
         CHECK(std::abs(std::log(f / exact[k])) < std::abs(n) * x * x / (2 - std::abs(x) * 4));
         CHECK(-s.real() == approx(kPi * f * 2e-3).epsilon(1e-9)); // the loss factor stays
@@ -103,7 +103,7 @@ TEST_CASE("two bodies in one list take the shape of the first alone") {
   settings.shape_displacement_m = {0.0005};
   const BodyModel model(joined, settings);
   const auto frequency = [&](std::size_t part, std::size_t k) {
-    return std::abs(model.rate[model.index_of[joined->parts[part].mode[k]]]) / (2 * kPi);
+    return abs(model.rate[model.index_of[joined->parts[part].mode[k]]]) / (2 * kPi);
   };
   for (std::size_t k = 0; k < f1.size(); ++k)
     CHECK(frequency(0, k) == approx(f1[k] * std::exp(0.1)).epsilon(1e-9));
@@ -156,7 +156,7 @@ TEST_CASE("no displacement leads to rates outside the bank's range") {
       move(rig, height, length);
       for (const Complex& s :
            std::span(rig.body.model()->rate).first(rig.body.model()->audible_modes))
-        CHECK(std::abs(s) / (2 * kPi) < 0.45 * kRate);
+        CHECK(abs(s) / (2 * kPi) < 0.45 * kRate);
       CHECK(is_finite(rig.run(480).left));
       move(rig, 0);
       CHECK(is_finite(rig.run(480).left));

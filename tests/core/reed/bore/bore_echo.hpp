@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/bore_line.hpp"
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -67,17 +67,17 @@ inline std::vector<double> echo_of(const Parameters& p, const Termination& end, 
 
 /// 20 log of |Z_in|/Z_0 at a frequency.
 inline double level(const Parameters& p, const std::vector<double>& echo, double rate, double hz) {
-  std::complex<double> round_trip = 0, turn = 1;
-  const std::complex<double> step = std::polar(1.0, -2 * std::numbers::pi * hz / rate);
+  Complex round_trip = 0, turn = 1;
+  const Complex step = tactus::math::polar(1.0, -2 * std::numbers::pi * hz / rate);
   for (const double x : echo) {
     round_trip += x * turn;
     turn *= step;
   }
-  std::complex<double> y = (1.0 - round_trip) / (1.0 + round_trip);
+  Complex y = (1.0 - round_trip) / (1.0 + round_trip);
   if (p.shape == BoreShape::kCone) // 1/(s M) in units of 1/Z_0
     y += air_at(p.temperature).sound_speed /
-         (std::complex<double>(0, 2 * std::numbers::pi * hz) * p.apex_distance);
-  return -20 * std::log10(std::abs(y));
+         (Complex(0, 2 * std::numbers::pi * hz) * p.apex_distance);
+  return -20 * std::log10(abs(y));
 }
 
 struct ImpedancePeak {

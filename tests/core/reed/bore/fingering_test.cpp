@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/hole_fingering.hpp"
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/instrument/tuning.hpp"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <string_view>
@@ -23,7 +23,6 @@ namespace tactus::reed {
 namespace {
 
 using namespace test;
-using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// The standard fingering: what is above the note's first open hole is closed.
@@ -78,9 +77,9 @@ TEST_CASE("standard fingerings come out as the tables have them") {
       other.set(table.radiation, 0, 192000, 1, 1);
       for (double hz = 60; hz < 0.8 * wind.cutoff; hz *= 1.02) {
         const Complex s(0, kTwoPi * hz);
-        CHECK(std::abs(found.reflectance(s).value - table.reflectance(s).value) < 0.02);
-        const Complex back = std::polar(1.0, -kTwoPi * hz / 192000);
-        CHECK(std::abs(20 * std::log10(std::abs(one.at(back) / other.at(back)))) < 2.5);
+        CHECK(abs(found.reflectance(s).value - table.reflectance(s).value) < 0.02);
+        const Complex back = tactus::math::polar(1.0, -kTwoPi * hz / 192000);
+        CHECK(std::abs(20 * std::log10(abs(one.at(back) / other.at(back)))) < 2.5);
       }
     }
 }
@@ -136,23 +135,23 @@ TEST_CASE("the vent gains no power, however far it is open, and passes less of a
         const double a = above;
         vent.pass(no_losses, &above, &below, {1, 0}, 1);
         if (n >= 19200)
-          sum += (a - below) * std::polar(2.0 / 19200 / size, -kTwoPi * hz * n / 192000);
+          sum += (a - below) * tactus::math::polar(2.0 / 19200 / size, -kTwoPi * hz * n / 192000);
       }
-      through[size > 1] = std::abs(sum);
+      through[size > 1] = abs(sum);
     }
-    CHECK(through[0] == doctest::Approx(std::abs(design.at({0, kTwoPi * hz}))).epsilon(0.02));
+    CHECK(through[0] == doctest::Approx(abs(design.at({0, kTwoPi * hz}))).epsilon(0.02));
     CHECK(through[1] < (hz < 1000 ? 0.95 : 1) * through[0]); // above, mass alone counts
   }
 }
 
 TEST_CASE("theory undoes what the vent does") {
   const RegisterVent vent = RegisterVent::of(clarinet());
-  const Complex s(0, kTwoPi * 500), vent_path = std::polar(0.97, -1.3),
-                                    below = std::polar(0.9, 2.1);
+  const Complex s(0, kTwoPi * 500), vent_path = tactus::math::polar(0.97, -1.3),
+                                    below = tactus::math::polar(0.9, 2.1);
   // What comes back above a vent from what comes back below it.
   const Complex h = vent.at(s), b = below * (1.0 - h) / (1.0 + h * below);
   const Complex up = b - h * (1.0 + b);
-  CHECK(std::abs(vent.without_vent(s, vent_path * up, vent_path) - vent_path * below) < 1e-12);
+  CHECK(abs(vent.without_vent(s, vent_path * up, vent_path) - vent_path * below) < 1e-12);
 }
 
 TEST_CASE("cross fingerings and half holes sound as their bores say") {

@@ -1,9 +1,9 @@
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/radiation_path.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 // The numbers of the way out of the bore, against the equations in radiation_path.hpp.
@@ -11,15 +11,14 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 const double kSpeed = 331.45 * std::sqrt(1 + 20 / 273.15);
 
 /// dB of the path's response over an expected one.
 double error_db(const RadiationConstants& c, double turns_a_sample, Complex expected) {
-  const Complex back = std::polar(1.0, -2 * kPi * turns_a_sample);
+  const Complex back = tactus::math::polar(1.0, -2 * kPi * turns_a_sample);
   const Complex found = (c.b0 + back * (c.b1 + back * c.b2)) / (1.0 + back * (c.a1 + back * c.a2));
-  return std::abs(20 * std::log10(std::abs(found / expected)));
+  return std::abs(20 * std::log10(abs(found / expected)));
 }
 
 RadiationConstants constants_of(const Parameters& p, double rate) {

@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/brass.hpp"
 #include "core/reed/bore/hole_fingering.hpp"
 #include "core/reed/bore/tone_hole_end.hpp"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <string>
@@ -26,7 +26,6 @@ namespace tactus::reed {
 namespace {
 
 using namespace test;
-using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr BoreEnd kWoodwinds[] = {BoreEnd::kClarinet, BoreEnd::kSaxophone, BoreEnd::kOboe};
 
@@ -108,7 +107,7 @@ void check_termination(const Termination& one, const std::vector<double>& rates)
   CHECK(at_rest < -0.9);
   CHECK(at_rest >= -1);
   for (double hz = 0.01; hz < 1e6; hz *= 1.01)
-    REQUIRE(std::abs(one.reflectance({0, kTwoPi * hz}).value) <= 1 + 1e-9);
+    REQUIRE(abs(one.reflectance({0, kTwoPi * hz}).value) <= 1 + 1e-9);
   const auto poles_lie_left = [](const auto& blocks) {
     for (const Termination::Block& block : blocks)
       CHECK((block.a < 0 && (block.oscillates || block.b < 0)));
@@ -120,10 +119,10 @@ void check_termination(const Termination& one, const std::vector<double>& rates)
       DigitalReflection digital;
       digital.set(one.reflection, one.dc_value, rate, speed_ratio, 1);
       for (int i = 0; i <= 500; ++i)
-        REQUIRE(std::abs(digital.at(std::polar(1.0, std::numbers::pi * i / 500))) <= 1 + 1e-9);
+        REQUIRE(abs(digital.at(tactus::math::polar(1.0, std::numbers::pi * i / 500))) <= 1 + 1e-9);
       for (double f = 60; f < 4000 && rate > 40e3 && speed_ratio == 1; f *= 1.05)
-        CHECK(std::abs(digital.at(std::polar(1.0, -kTwoPi * f / rate)) -
-                       one.reflectance({0, kTwoPi * f}).value) < 0.031);
+        CHECK(abs(digital.at(tactus::math::polar(1.0, -kTwoPi * f / rate)) -
+                  one.reflectance({0, kTwoPi * f}).value) < 0.031);
     }
 }
 
@@ -184,21 +183,21 @@ TEST_CASE("the sections compute the response that the design says") {
       response[n] = stretch(n == 0 ? 1.0 : 0.0);
   }
   for (const double hz : {20.0, 300.0, 1700.0, 9000.0}) {
-    const Complex back = std::polar(1.0, -kTwoPi * hz / rate);
+    const Complex back = tactus::math::polar(1.0, -kTwoPi * hz / rate);
     Complex sum = 0, turn = 1;
     for (const double x : response) {
       sum += x * turn;
       turn *= back;
     }
-    CHECK(std::abs(sum - digital.at(back)) < 1e-6);
-    CHECK(std::abs(sum - one.reflectance({0, kTwoPi * hz / 1.02}).value) < 0.04);
+    CHECK(abs(sum - digital.at(back)) < 1e-6);
+    CHECK(abs(sum - one.reflectance({0, kTwoPi * hz / 1.02}).value) < 0.04);
   }
-  CHECK(std::abs(digital.at(1.0) - one.dc_value) < 1e-9);
+  CHECK(abs(digital.at(1.0) - one.dc_value) < 1e-9);
   // The derivative, by differences.
   const Complex s(-20, 5000), small(1e-3, 0);
   const Complex slope =
       (one.reflectance(s + small).value - one.reflectance(s - small).value) / 2e-3;
-  CHECK(std::abs(one.reflectance(s).derivative - slope) < 1e-6 * std::abs(slope));
+  CHECK(abs(one.reflectance(s).derivative - slope) < 1e-6 * abs(slope));
 }
 
 TEST_CASE("holes are heard as a point source below the cut-off, and let all power out above") {
@@ -208,12 +207,12 @@ TEST_CASE("holes are heard as a point source below the cut-off, and let all powe
     const double speed = air_at(20).sound_speed;
     // The doubled flow 2 a S/(rho c) as a point source at 1 m: a r/2 k r.
     const double hz = 150, low = 7.5e-3 / 2 * kTwoPi * hz / speed * 7.5e-3;
-    const double output = std::abs(radiation.at(std::polar(1.0, -kTwoPi * hz / 192000)));
+    const double output = abs(radiation.at(tactus::math::polar(1.0, -kTwoPi * hz / 192000)));
     CHECK(std::abs(20 * std::log10(output / low)) < 0.5);
     // All of a^2 S/(2 rho c) over 4 pi m^2: a r/2.
-    const double high = std::abs(radiation.at(std::polar(1.0, -kTwoPi * 5000 / 192000)));
+    const double high = abs(radiation.at(tactus::math::polar(1.0, -kTwoPi * 5000 / 192000)));
     CHECK(std::abs(20 * std::log10(high / (7.5e-3 / 2))) < 2);
-    CHECK(std::abs(radiation.at(1.0)) < 1e-9);
+    CHECK(abs(radiation.at(1.0)) < 1e-9);
   }
 }
 

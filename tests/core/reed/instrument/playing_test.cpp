@@ -85,7 +85,7 @@ double growth(const Recording& r, const std::vector<double>& signal, double freq
   double n = 0, st = 0, sy = 0, stt = 0, sty = 0;
   for (double t = from; t + window < to; t += 0.02) {
     const double y =
-        std::log(std::abs(component(part(r, signal, t, t + window), r.rate, frequency)) + 1e-300);
+        std::log(abs(component(part(r, signal, t, t + window), r.rate, frequency)) + 1e-300);
     n += 1;
     st += t;
     sy += y;

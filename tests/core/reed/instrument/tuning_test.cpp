@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/tuning.hpp"
@@ -7,7 +8,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <string>
 
@@ -47,7 +47,6 @@ TEST_CASE("the tuned bore has its linear playing frequency at f_b") {
 TEST_CASE("above its threshold a tuned bore sends back in phase what the valve would play on") {
   // At so many times the threshold valve and bore agree in the phase of the round trip alone: the
   // note grows. (1 - y)/(1 + y), y = Z_0 (Y - what lies at the input: cup and cone).
-  using Complex = std::complex<double>;
   for (const char* name : {"clarinet", "sax"})
     for (const double f : {147.0, 262.0})
       for (const double over : {1.0, 1.5, 1.7}) { // half way to the highest at most
@@ -72,9 +71,9 @@ TEST_CASE("above its threshold a tuned bore sends back in phase what the valve w
             theory.valve_admittance(s, theory.equilibrium(over * threshold, reed), reed));
         const Complex bore = round_trip(theory.input_admittance(s));
         INFO(std::string(name), ", ", f, " Hz, ", over, " times the threshold");
-        CHECK(std::abs(std::arg(valve / bore)) < 2e-3); // of a turn of 2 pi: half a cent
+        CHECK(std::abs(arg(valve / bore)) < 2e-3); // of a turn of 2 pi: half a cent
         if (over == 1.0)
-          CHECK(std::abs(valve / bore) == doctest::Approx(1).epsilon(2e-3));
+          CHECK(abs(valve / bore) == doctest::Approx(1).epsilon(2e-3));
       }
 }
 

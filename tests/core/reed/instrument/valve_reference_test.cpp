@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/dsp/random.hpp"
 #include "core/reed/instrument/valve_bore_step.hpp"
 
@@ -5,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <string>
@@ -50,10 +50,10 @@ public:
     // of each pole s (paper: the one given).
     double mass = m, damping = m * omega / p_.quality;
     if (p_.flow != FlowMethod::kPaper) {
-      const std::complex<double> gamma = 0.5 * omega / p_.quality;
-      const auto pole = -gamma + std::sqrt(gamma * gamma - omega * omega);
-      const auto other = -gamma - std::sqrt(gamma * gamma - omega * omega);
-      const auto moved = [&](std::complex<double> s) { return s - s * s * s * T_ * T_ / 12.0; };
+      const Complex gamma = 0.5 * omega / p_.quality;
+      const auto pole = -gamma + sqrt(gamma * gamma - omega * omega);
+      const auto other = -gamma - sqrt(gamma * gamma - omega * omega);
+      const auto moved = [&](Complex s) { return s - s * s * s * T_ * T_ / 12.0; };
       const double turn = omega * T_;
       // One term more of the series of an undamped valve: tan^2 x/x^2 = 1 + 2 x^2/3 + 17 x^4/45.
       const double product = (1.0 - (pole * pole + other * other).real() * T_ * T_ / 12) +

@@ -1,12 +1,12 @@
 #include "core/reed/playability/linear_stability.hpp"
 
+#include "core/dsp/complex.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <string>
@@ -15,7 +15,6 @@
 namespace tactus::reed {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kClosing = 3553.1; // Pa
 constexpr double kQuoted = 1e-4;    // digits of reference_instruments.hpp
@@ -25,7 +24,7 @@ double relative(double value, double expected) { return std::abs(value / expecte
 std::vector<double> impedance_peaks(const Parameters& p, std::size_t count) {
   const LinearStability theory(p, p.length);
   const auto magnitude = [&](double f) {
-    return 1 / std::abs(theory.input_admittance({0, kTwoPi * f}));
+    return 1 / abs(theory.input_admittance({0, kTwoPi * f}));
   };
   std::vector<double> peaks;
   constexpr double kStep = 0.1;
@@ -59,7 +58,7 @@ int zeros_right_of(const LinearStability& theory, double quality, double pressur
     while (at < 1) {
       const double next = std::min(1.0, at + step);
       const Complex there = f(from + next * edge);
-      const double angle = std::arg(there / here);
+      const double angle = arg(there / here);
       if (std::abs(angle) > 0.3 && step > 1e-12) {
         step *= 0.5;
         continue;

@@ -1,3 +1,4 @@
+#include "core/dsp/complex.hpp"
 #include "core/reed/instrument/length_table.hpp"
 #include "core/reed/instrument/tuning.hpp"
 #include "tests/core/reed/render.hpp"
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -45,7 +45,7 @@ public:
     meant_ = in.bore;
     double phase = 0;
     for (std::size_t i = 0; i < meant_.size(); ++i) {
-      turned_.push_back(r.bore_pressure[i] * std::polar(1.0, -phase));
+      turned_.push_back(r.bore_pressure[i] * tactus::math::polar(1.0, -phase));
       phase += 2 * kPi * meant_[i] / kRate;
     }
   }
@@ -55,7 +55,7 @@ public:
     for (double t = from; t < to; t += 2e-3) {
       constexpr std::size_t kApart = 48;
       const auto at = static_cast<std::size_t>(t * kRate);
-      const double turn = std::arg(smooth(at + kApart) * std::conj(smooth(at - kApart)));
+      const double turn = arg(smooth(at + kApart) * conj(smooth(at - kApart)));
       const double deviation = turn / (2.0 * kApart) * kRate / (2 * kPi) / meant_[at];
       most = std::max(most, std::abs(cents(std::max(0.01, 1 + deviation), 1)));
     }
@@ -63,16 +63,16 @@ public:
   }
 
 private:
-  [[nodiscard]] std::complex<double> smooth(std::size_t at) const {
+  [[nodiscard]] Complex smooth(std::size_t at) const {
     const auto half = static_cast<std::size_t>(2 * kRate / meant_[at]);
-    std::complex<double> sum = 0;
+    Complex sum = 0;
     for (std::size_t k = 0; k <= 2 * half; ++k)
       sum += turned_[at + k - half] *
              (1 - std::cos(kPi * static_cast<double>(k + 1) / static_cast<double>(half + 1)));
     return sum;
   }
   std::vector<double> meant_;
-  std::vector<std::complex<double>> turned_;
+  std::vector<Complex> turned_;
 };
 
 /// 50 cents at 6 Hz in a held note, and 2 cents from a note's start, which must not detune it.

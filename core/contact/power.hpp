@@ -1,14 +1,11 @@
 #pragma once
 
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
+#include "core/dsp/elementary.hpp"
 
-/// Powers, exponentials and logarithms from + - * / and square roots only. The results are
-/// bit-identical on every platform, because no call goes to the platform's mathematical library.
-/// All functions are always inline, because source files compiled for newer instruction sets use
-/// them too and must not emit a shared copy.
+#include <cmath>
+
+/// Powers of many numbers with the same exponent, and ranges. Everything is always inline: source
+/// files compiled for newer instruction sets use it too, and must not emit a shared copy.
 namespace tactus::contact {
 
 /// x clamped to [-limit, limit]; 0 for NaN.
@@ -19,39 +16,6 @@ namespace tactus::contact {
 [[nodiscard, gnu::always_inline]] inline double within(double x, double low, double high,
                                                        double fallback) noexcept {
   return std::isfinite(x) ? (x < low ? low : (x > high ? high : x)) : fallback;
-}
-
-/// 2^y with a relative error below 1e-12. y is clamped to [-1000, 1000].
-[[nodiscard, gnu::always_inline]] inline double exp2_of(double y) noexcept {
-  y = y < -1000 ? -1000 : (y > 1000 ? 1000 : y);
-  // Adding kRound leaves the integer nearest to y in the last bits of the mantissa; the shift
-  // below moves it to the exponent.
-  constexpr double kRound = 0x1.8p52;
-  const double shifted = y + kRound, t = y - (shifted - kRound); // |t| <= 1/2
-  const double scale = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) << 52) +
-                                             std::bit_cast<std::uint64_t>(1.0));
-  // Taylor's series to t^10: ln(2)^k/k!.
-  const double t2 = t * t, t4 = t2 * t2, t8 = t4 * t4;
-  const double a =
-      (1 + t * 6.9314718055994531e-1) + t2 * (2.4022650695910072e-1 + t * 5.5504108664821580e-2);
-  const double b = (9.6181291076284772e-3 + t * 1.3333558146428443e-3) +
-                   t2 * (1.5403530393381609e-4 + t * 1.5252733804059840e-5);
-  const double c = (1.3215486790144309e-6 + t * 1.0178086009239699e-7) + t2 * 7.0549116208011233e-9;
-  return scale * ((a + t4 * b) + t8 * c);
-}
-
-/// log2 x for a normal number x > 0, absolute error below 1e-14.
-[[nodiscard, gnu::always_inline]] inline double log2_of(double x) noexcept {
-  // x = 2^k m with m in [sqrt(1/2), sqrt(2)); ln m = 2 artanh(s), s = (m - 1)/(m + 1).
-  constexpr std::int64_t kHalfRoot = 0x3fe6a09e667f3bcd; // bits of sqrt(1/2)
-  const auto bits = std::bit_cast<std::int64_t>(x);
-  const std::int64_t k = (bits - kHalfRoot) >> 52;
-  const double m = std::bit_cast<double>(bits - (k << 52));
-  const double s = (m - 1) / (m + 1), z = s * s, z2 = z * z, z4 = z2 * z2; // |s| <= 0.172
-  const double low = (1 + z * (1.0 / 3)) + z2 * (1.0 / 5 + z * (1.0 / 7));
-  const double high =
-      (1.0 / 9 + z * (1.0 / 11)) + z2 * (1.0 / 13 + z * (1.0 / 15)) + z4 * (1.0 / 17);
-  return static_cast<double>(k) + 2 * std::numbers::log2e * s * (low + z4 * high);
 }
 
 /// x^e for one exponent e >= 0 and many x.
@@ -81,7 +45,7 @@ public:
     case 5:
       return x * std::sqrt(std::sqrt(x));
     default:
-      return exp2_of(exponent_ * log2_of(x));
+      return math::pow(x, exponent_);
     }
   }
   [[nodiscard]] double exponent() const noexcept { return exponent_; }
