@@ -109,6 +109,7 @@ function(pd_external name)
   string(REPLACE "~" "_tilde" identifier ${name})
   set(TACTUS_HEADER ${header})
   set(TACTUS_OBJECT ${A_OBJECT})
+  set(TACTUS_NAME ${name})
   set(TACTUS_SETUP ${identifier}_setup)
   configure_file(${CMAKE_SOURCE_DIR}/cmake/module_object.cpp.in
                  ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_object.cpp @ONLY)

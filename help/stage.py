@@ -225,6 +225,9 @@ def main():
                 shutil.copyfile(path, arguments.stage / path.name)
     if not declarations:
         return
+    for name in by_name:
+        if not any((source / f"{name}-help.pd").exists() for source in arguments.sources):
+            raise SystemExit(f"{name}: expected a help patch, help/{name}-help.pd")
     (arguments.stage / "tactus-meta.pd").write_text(library_meta(arguments.version, declarations))
     (arguments.stage / "tactus-objects.txt").write_text(
         "".join(f"{d['name']}\t{d['title']}\n" for d in declarations))

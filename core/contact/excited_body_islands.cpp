@@ -21,7 +21,7 @@ void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray
     to[modes[k]] = from[k];
 }
 
-/// Copies the numbers of the modes to the lanes behind the first `skip` lanes; all other lanes get
+/// Copies the values of the modes to the lanes after the first `skip` lanes; all other lanes get
 /// the value `elsewhere`.
 void gather_lanes(std::span<const std::uint32_t> modes, std::size_t skip, const double* from,
                   double elsewhere, std::span<double> lanes) noexcept {

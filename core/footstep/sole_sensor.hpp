@@ -37,8 +37,8 @@ public:
   /// swing: freely.
   enum class Follow { kStance, kAir, kSwing };
   /// Processes one sample, force_n in N. `free`: this region is in the air, so floor and noise are
-  /// updated. Rises above touch_threshold_n, and the share of the other region's force, do not
-  /// count as noise.
+  /// updated. An increase above touch_threshold_n does not count as noise, nor does the share of
+  /// the other region's force.
   void next(double force_n, Follow follow, double weight_n, bool free = false,
             double touch_threshold_n = 20, double crosstalk_n = 0) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N

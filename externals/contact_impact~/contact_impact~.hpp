@@ -140,8 +140,8 @@ struct ContactImpact::Rows {
       realtime(action<&Self::launch>("bang", "", 0, 0, "repeat the last strike or drop")),
       realtime(action<&Self::drop>("drop", "h", 1, 1,
                                    "drop the mass from h mm; needs `gravity` above 0")),
-      realtime(
-          action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, the mass 1 m away")),
+      realtime(action<&Self::reset>("reset", "", 0, 0,
+                                    "stop all motion and sound, and put the mass 1 m away")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "force", "N", "force on the mass, into the body"},

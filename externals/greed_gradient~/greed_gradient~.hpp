@@ -184,9 +184,9 @@ inline constexpr Declaration GreedGradient::declaration{
     "greed_gradient~",
     "a reed and the slope of its playability in one object",
     "Five reeds of one instrument: one at the hand's point in the plane of mouth pressure and reed "
-    "frequency, and one on each side of it. Differences of their playability are the slope that "
+    "frequency, and one on each side of it. Differences in their playability are the slope that "
     "guides the hand. The object costs a third more than one greed~. In mode growth the slope "
-    "comes from linear theory and leads also out of silence. In mode guide the force pulls to the "
+    "comes from linear theory and also leads out of silence. In mode guide the force pulls to the "
     "nearest note and is zero there. Both modes need a map, which a thread computes after each "
     "change, while the old map stays in use: map 0..1 at the info outlet.",
     "reed lips haptic gradient playability guidance",

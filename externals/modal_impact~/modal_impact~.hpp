@@ -381,8 +381,8 @@ struct ModalImpact::Rows {
       action<&Self::numeric<&Self::set_control_point, Waits::kForBody>>(
           "cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"),
       action<&Self::set_solver>("solver", "path | auto", 1, 1,
-                                "path of the program modal_fem, which restarts and solves changed "
-                                "shapes; auto: in the object's folder or PATH"),
+                                "path of the program modal_fem, which solves changed shapes and is "
+                                "restarted; auto: in the object's folder or PATH"),
       action<&Self::numeric<&Self::set_rayleigh>>("rayleigh", "a b", 2, 2,
                                                   "damping (a + b omega^2)/2 in 1/s"),
       action<&Self::numeric<&Self::set_loss>>("loss", "eta", 1, 1,

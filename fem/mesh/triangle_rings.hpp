@@ -74,8 +74,8 @@ protected:
     return std::binary_search(a.begin(), a.end(), onto) && common.size() == 2 &&
            a.size() + b.size() <= max_neighbours;
   }
-  /// Moves all triangles of a point to another point and removes the triangles at their edge.
-  /// Returns the number of removed triangles.
+  /// Moves all triangles of a point to another point, and removes the triangles that share the edge
+  /// between both points. Returns the number of removed triangles.
   std::size_t merge(int from, int onto) {
     std::size_t gone = 0;
     for (const int t : around_[at(from)]) {

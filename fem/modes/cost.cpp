@@ -88,8 +88,8 @@ namespace {
 
 constexpr double kMeshNode = 24, kMeshElement = 104, kMatrixPair = 88; // bytes
 
-/// Adds the times of the factorisation and of all work, on one core; `factor` is that of the
-/// matrix.
+/// Adds the times of the factorisation and of all work, on one core; `factor` is the cost of
+/// factorising the matrix.
 void add_seconds(Cost& cost, const Workload& work, const FactorCost& factor) {
   const MeshSize& mesh = work.mesh;
   const double pairs = mesh.node_pairs;

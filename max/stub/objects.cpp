@@ -347,7 +347,8 @@ void* proxy_new(void* x, long id, long* inlet) {
   const ApiCall api("proxy_new", kMain);
   Object* object = in_constructor(x, "proxy_new");
   if (object->in_chain || (!object->proxies.empty() && id != object->proxies.back()->id - 1))
-    violation("proxy_new: make inlets from right to left, those of signals by z_dsp_setup at last");
+    violation(
+        "proxy_new: make inlets from right to left, and the signal inlets last, with z_dsp_setup");
   if (id < 1 || !inlet)
     violation("proxy_new: no inlet, or nowhere to write its number");
   auto* proxy = new Proxy;

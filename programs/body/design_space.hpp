@@ -41,8 +41,8 @@ struct DesignSpace {
 
 /// The control lattice around the body or in its box. If the body passes through a face of the box,
 /// the control points on that face are fixed, so that the body stays in one piece. Control points
-/// that move no node are fixed too. Bounds are reduced if one coordinate alone would invert an
-/// element.
+/// that move no node are fixed too. Bounds are reduced if moving one coordinate alone to its bound
+/// would invert an element.
 [[nodiscard]] DesignSpace design_space_of(const DesignOptions&, const Mesh&);
 
 /// Help text of the options that DesignOptions::take() knows.

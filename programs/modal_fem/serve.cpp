@@ -37,7 +37,7 @@ public:
         !refusal.empty())
       throw InputError(path_ + ": " + refusal);
     if (table_.sensitivity.parameters() != parameters())
-      throw InputError(path_ + format(" has %zu shape parameters, expected the %zu of its command",
+      throw InputError(path_ + format(" has %zu shape parameters, expected %zu as in the command",
                                       table_.sensitivity.parameters(), parameters()));
     options_.modes = table_.modes(); // may exceed the number in its command, to complete a group
     set_solver_threads(options_.threads);

@@ -126,7 +126,8 @@ public:
       return back;
     }
 
-    /// From the delay line's output to the wave a that arrives at the end: the wall loss alone.
+    /// Applies the wall loss alone: turns the delay line's output into the wave `a` that arrives at
+    /// the end.
     [[gnu::always_inline]] V incident(const V& wave) noexcept {
       const V attenuated = wave + loss_.sum();
       loss_.step(loss_pole_, loss_residue_, wave);

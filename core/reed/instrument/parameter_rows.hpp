@@ -156,7 +156,7 @@ inline constexpr std::array kRows{
             "tune", "switch: 1 lets a simulated player set bore and lips so that f_b sounds"),
         restarts(), Row::Preset::kLeaves},
     Row{member<&Parameters::correct_pitch>.row(
-            "ear", "pitch tracker of the player with `tune 1`: 1 corrects the sounding pitch"),
+            "ear", "pitch tracker, used with `tune 1`; 1: on, corrects the sounding pitch"),
         player(fades()), Row::Preset::kLeaves},
     Row{member<&Parameters::fingering>.row(
             "fingering", "", 0, 127, "fingered MIDI note with `tune 1`, replaces f_b; 0: none"),
@@ -216,8 +216,8 @@ inline constexpr std::array kRows{
                                              "factor on `gain` with `tune 1`"),
         jumps()},
     Row{member<&Parameters::tongue>.row("tongue_burst", "", 0, 3,
-                                        "initial relative excess of a tongued breath over p_m with "
-                                        "`tune 1`, at 220 Hz and `breath_ref`; 0: none"),
+                                        "initial overshoot of a tongued breath as a fraction of "
+                                        "p_m, with `tune 1`, at 220 Hz and `breath_ref`; 0: none"),
         jumps()},
     Row{member<&Parameters::breath_reference>.row(
             "breath_ref", "Pa", 0, 50000,

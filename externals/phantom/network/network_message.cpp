@@ -98,7 +98,7 @@ std::string NamedNetwork::add_link(Words words) {
   constexpr Range ranges[] = {
       kLinkStiffness, kNetworkDamping, {"l0", "mm", 0, 2 * kMaxPosition_mm}};
   if (words.size() < 3)
-    return "expected two masses and k, then b, l0 and pull or push";
+    return "expected two masses and k, optionally b, l0 and pull or push";
   const std::size_t a = find(text_of(words[0])), b = find(text_of(words[1]));
   if (a == kNone || b == kNone)
     return text_of(words[a == kNone ? 0 : 1]) + ": no such mass";
