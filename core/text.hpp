@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/decimal.hpp"
+
 #include <charconv>
 #include <cmath>
 #include <concepts>
@@ -9,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+#include <version>
 
 /// Words and numbers of text, for every reader of files, settings, options and messages.
 namespace tactus {
@@ -26,6 +29,12 @@ namespace tactus {
   return text;
 }
 
+#ifdef __cpp_lib_to_chars
+inline constexpr bool kFromCharsReadsDoubles = true;
+#else
+inline constexpr bool kFromCharsReadsDoubles = false; // LLVM's library before version 20
+#endif
+
 /// Reads the whole text as a number in the notation of C++ ("3", "-0.5", "1e-3"). A plus sign and
 /// blanks may precede the number, and blanks may follow it. Returns invalid_argument if the text is
 /// not a finite number, and result_out_of_range if Number cannot hold it; `value` then stays as it
@@ -34,18 +43,22 @@ template <class Number> std::errc read_number(std::string_view text, Number& val
   text = trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-"))
     text.remove_prefix(1);
-  Number found{};
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, found);
-  if (stopped != end)
-    return std::errc::invalid_argument;
-  if (error != std::errc{})
-    return error;
-  if constexpr (std::floating_point<Number>)
-    if (!std::isfinite(found))
+  if constexpr (std::floating_point<Number> && !kFromCharsReadsDoubles) {
+    return read_decimal(text, value);
+  } else {
+    Number found{};
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, found);
+    if (stopped != end)
       return std::errc::invalid_argument;
-  value = found;
-  return {};
+    if (error != std::errc{})
+      return error;
+    if constexpr (std::floating_point<Number>)
+      if (!std::isfinite(found))
+        return std::errc::invalid_argument;
+    value = found;
+    return {};
+  }
 }
 /// The number that read_number() reads; nothing if it fails.
 template <class Number = double>

@@ -16,7 +16,7 @@ algorithm: adjacent_find all_of any_of binary_search clamp copy copy_if copy_n c
   stable_partition stable_sort transform unique upper_bound
 atomic: atomic atomic_thread_fence memory_order_acq_rel memory_order_acquire memory_order_relaxed memory_order_release
   memory_order_seq_cst
-bit: bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr
+bit: bit_cast bit_ceil bit_floor countl_zero countr_zero endian popcount rotl rotr
 cctype: isalnum isalpha isdigit isspace tolower toupper
 charconv: chars_format from_chars to_chars
 cmath: abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp exp2 expm1
