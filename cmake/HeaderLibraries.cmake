@@ -17,3 +17,7 @@ if(WIN32) # Boost.Asio's sockets; a module that has none imports nothing of them
   link_libraries(ws2_32 mswsock)
   set(CMAKE_REQUIRED_LIBRARIES ws2_32 mswsock)
 endif()
+if(APPLE) # Boost 1.74 asks for std::result_of, which C++20 has not, unless the library is one that it knows
+  add_compile_definitions(BOOST_ASIO_HAS_STD_INVOKE_RESULT)
+  set(CMAKE_REQUIRED_DEFINITIONS -DBOOST_ASIO_HAS_STD_INVOKE_RESULT)
+endif()

@@ -33,3 +33,8 @@ if(TACTUS_MAX STREQUAL "AUTO")
     set(TACTUS_MAX ${TACTUS_TESTS})
   endif()
 endif()
+# What another system's build takes of a build of this machine: the renders that its own are compared with, and the
+# declarations of the objects, if nothing here runs its programs.
+if(CMAKE_CROSSCOMPILING)
+  set(TACTUS_REFERENCE ${CMAKE_SOURCE_DIR}/build CACHE PATH "a build of this machine")
+endif()

@@ -31,7 +31,8 @@ constexpr int kServoPriority = 60, kDeviceThreadPriority = 61;
 
 /// Raises the priority of the calling thread: SCHED_FIFO at `priority` if the system allows it,
 /// else a lower nice value, else the default scheduling with a short timer slack. On Windows it
-/// takes the highest priority of a normal program and returns kNice.
+/// takes the highest priority of a normal program and returns kNice; on macOS a time constraint of
+/// the servo's rate.
 Scheduling raise_thread_priority(int priority) noexcept;
 
 /// Wakes a thread that waits. The waker locks nothing, and no wake-up is lost. std::atomic's own

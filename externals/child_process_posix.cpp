@@ -14,12 +14,39 @@
 #include <unistd.h>
 #include <utility>
 
+#ifdef __APPLE__
+#include <crt_externs.h>
+#else
 extern char** environ;
+#endif
 
 namespace tactus {
 namespace {
 
 constexpr std::size_t kMaxStderrBytes = 4096;
+
+// Both ends close when a program starts. On macOS, which cannot make them so, a program that
+// another thread starts between the two calls keeps them.
+#ifdef __APPLE__
+bool close_on_start(const std::array<int, 2>& ends) {
+  return ::fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 && ::fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
+}
+bool open_socket_pair(std::array<int, 2>& ends) {
+  const int on = 1; // a send() raises no SIGPIPE
+  return ::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) == 0 && close_on_start(ends) &&
+         ::setsockopt(ends[0], SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on) == 0;
+}
+bool open_pipe(std::array<int, 2>& ends) {
+  return ::pipe(ends.data()) == 0 && close_on_start(ends);
+}
+char** environment() { return *_NSGetEnviron(); }
+#else
+bool open_socket_pair(std::array<int, 2>& ends) {
+  return ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0;
+}
+bool open_pipe(std::array<int, 2>& ends) { return ::pipe2(ends.data(), O_CLOEXEC) == 0; }
+char** environment() { return environ; }
+#endif
 
 /// Owns a file descriptor and closes it.
 class Descriptor {
@@ -70,7 +97,11 @@ struct Surroundings {
     sigdelset(&all, SIGSTOP);
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setsigdefault(&attributes, &all);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    short flags = POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
+#ifdef __APPLE__
+    flags |= POSIX_SPAWN_CLOEXEC_DEFAULT;
+#endif
+    posix_spawnattr_setflags(&attributes, flags);
   }
   ~Surroundings() {
     posix_spawn_file_actions_destroy(&files);
@@ -112,10 +143,10 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   };
   // A socket pair serves stdin and stdout: send() with MSG_NOSIGNAL raises no SIGPIPE on it.
   std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+  if (!open_socket_pair(ends))
     return failed("cannot create a pipe to the program", errno);
   Descriptor parent_end(ends[0]), child_end(ends[1]);
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+  if (!open_pipe(ends))
     return failed("cannot create a pipe to the program", errno);
   Descriptor errors(ends[0]), child_stderr(ends[1]);
   if (!child_end.move_above_stderr() || !child_stderr.move_above_stderr() ||
@@ -129,7 +160,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   const Surroundings surroundings(child_end.get(), child_stderr.get());
   auto process = std::make_unique<Process>();
   if (const int error = ::posix_spawn(&process->child, words[0].c_str(), &surroundings.files,
-                                      &surroundings.attributes, arguments.data(), environ);
+                                      &surroundings.attributes, arguments.data(), environment());
       error != 0)
     return failed((words[0] + ": cannot start").c_str(), error);
   process->stream = parent_end.release();

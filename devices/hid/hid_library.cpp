@@ -14,7 +14,9 @@ std::string HidLibrary::load(Transport transport) {
   const bool loaded = library_.load(hidraw ? kHidrawNames : kLibusbNames);
 #else
   static_cast<void>(transport);
-  constexpr std::array<const char*, 2> kNames{"libhidapi.dylib", "hidapi.dll"};
+  constexpr std::array<const char*, 4> kNames{"libhidapi.dylib",
+                                              "/opt/homebrew/lib/libhidapi.dylib",
+                                              "/usr/local/lib/libhidapi.dylib", "hidapi.dll"};
   const bool loaded = library_.load(kNames);
 #endif
   if (!loaded)
