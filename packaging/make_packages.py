@@ -7,6 +7,8 @@ deken: `tactus[v0.1.0](Linux-amd64-32)(Linux-amd64-64).dek`, a zip with one fold
 `cmake --install --component pd` installs, stripped; beside it its SHA-256 as Pd's package manager compares
 it (the digest alone) and the list of objects (`NAME TAB TITLE`), and `tactus[v0.1.0](Sources).dek`.
 The names are deken's: github.com/pure-data/deken, developer/README.md.
+With `--modules FOLDER` the package is of the same library for macOS: in place of this machine's modules it has those of
+the folders, one for each processor, joined to one file for both (`.d_fat`, `.darwin-fat-64.so`; llvm-lipo).
 
 debian: pd-tactus and tactus-programs, by CPack.
 """
@@ -14,7 +16,7 @@ import argparse
 import hashlib
 import os
 import pathlib
-import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -23,7 +25,8 @@ import time
 import zipfile
 
 NAME = "tactus"
-MACHINES = {"x86_64": "amd64", "aarch64": "arm64", "armv7l": "armv7", "i686": "i386"}
+LEGACY_SYSTEMS = {"l": "linux", "m": "windows", "d": "darwin"}
+MODULE = re.compile(r"(.+)\.(?:([lmd])_(\w+)|(linux|windows|darwin)-(\w+)-(64)\.(?:so|dll))")
 
 
 def fail(sentence):
@@ -56,12 +59,36 @@ def install(arguments, component, folder):
     return folder
 
 
-def precisions(library):
-    """The sizes of Pd's numbers that modules of a library folder are for, smallest first."""
-    sizes = [bits for bits, pattern in ((32, "*.l_*"), (64, "*.linux-*-64.so")) if any(library.glob(pattern))]
-    if not sizes:
-        fail(f"{library}: no external is in it")
-    return sizes
+def modules_in(folder):
+    """{(object, system, processor, bits of Pd's numbers): Path}"""
+    found = {}
+    for path in folder.iterdir():
+        if match := MODULE.fullmatch(path.name):
+            name, letter, processor, system, processor_64, bits = match.groups()
+            found[name, system or LEGACY_SYSTEMS[letter], processor_64 or processor, bits or "32"] = path
+    if not found:
+        fail(f"{folder}: no external is in it")
+    return found
+
+
+def systems_of(modules):
+    """As deken names them: (Linux-amd64-32)(Linux-amd64-64)"""
+    return "".join(sorted({f"({system.capitalize()}-{processor}-{bits})" for _, system, processor, bits in modules}))
+
+
+def join_for_macos(modules, library):
+    """Writes the modules for all processors of macOS into the library, stripped of the names of what stays inside."""
+    processors = {processor for _, _, processor, _ in modules}
+    for name, bits in sorted({(name, bits) for name, _, _, bits in modules}):
+        parts = {processor: modules.get((name, "darwin", processor, bits)) for processor in sorted(processors)}
+        if None in parts.values():
+            fail(f"{name}: no module for {' and '.join(key for key, part in parts.items() if not part)} with {bits} bits")
+        joined = library / (f"{name}.d_fat" if bits == "32" else f"{name}.darwin-fat-64.so")
+        with tempfile.TemporaryDirectory() as folder:
+            stripped = [pathlib.Path(folder) / processor for processor in parts]
+            for part, file in zip(parts.values(), stripped):
+                run("llvm-strip-14", "-x", part, "-o", file)
+            run("llvm-lipo-14", "-create", *stripped, "-output", joined)
 
 
 def write_zip(path, top, files, seconds):
@@ -88,16 +115,20 @@ def files_below(folder):
 
 
 def make_deken(arguments, seconds):
-    machine = MACHINES.get(platform.machine(), platform.machine())
     with tempfile.TemporaryDirectory() as prefix:
         install(arguments, "pd", pathlib.Path(prefix))
         library = next(pathlib.Path(prefix).glob(f"**/{NAME}/{NAME}-objects.txt")).parent
-        systems = "".join(f"(Linux-{machine}-{bits})" for bits in precisions(library))
-        package = arguments.output / f"{NAME}[v{arguments.version}]{systems}.dek"
+        modules = modules_in(library)
+        if arguments.modules:
+            for path in modules.values():
+                path.unlink()
+            modules = {key: path for folder in arguments.modules for key, path in modules_in(folder).items()}
+            join_for_macos(modules, library)
+        package = arguments.output / f"{NAME}[v{arguments.version}]{systems_of(modules)}.dek"
         write_zip(package, NAME, files_below(library), seconds)
         shutil.copyfile(library / f"{NAME}-objects.txt", f"{package}.txt")
     made = [package]
-    if has_history(arguments.source):
+    if has_history(arguments.source) and not arguments.modules:
         sources = arguments.output / f"{NAME}[v{arguments.version}](Sources).dek"
         run("git", "-C", arguments.source, "archive", "--format=zip", f"--prefix={NAME}/", "-o", sources, "HEAD")
         made.append(sources)
@@ -118,6 +149,7 @@ def main():
     for name in ("--source", "--build", "--cmake", "--output"):
         parser.add_argument(name, type=pathlib.Path, required=True)
     parser.add_argument("--version", required=True)
+    parser.add_argument("--modules", type=pathlib.Path, action="append", default=[], metavar="FOLDER")
     parser.add_argument("kind", choices=("deken", "debian"))
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
