@@ -12,6 +12,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "packaging"))
+import make_packages  # noqa: E402
 import try_package  # noqa: E402
 
 BUILD = pathlib.Path(os.environ["TACTUS_BUILD"])
@@ -65,6 +66,20 @@ def test_deken_reads_the_name_and_the_files_beside_it(package):
     rows = package.with_name(package.name + ".txt").read_text().splitlines()
     assert all(re.fullmatch(r"\S+\t\S.*", row) for row in rows)
     assert {row.split("\t")[0] for row in rows} >= {"greed~", "footstep~", "modal_impact~", "phantom", "playability~"}
+
+
+def test_a_package_names_the_systems_of_its_modules(tmp_path):
+    for name in ("greed~.l_amd64", "greed~.linux-amd64-64.so", "greed~-help.pd", "tactus.m_amd64", "tactus.windows-amd64-64.dll",
+                 "greed~.d_arm64", "greed~.darwin-arm64-64.so"):
+        (tmp_path / name).touch()
+    modules = make_packages.modules_in(tmp_path)
+    assert modules["greed~", "darwin", "arm64", "64"] == tmp_path / "greed~.darwin-arm64-64.so"
+    assert make_packages.systems_of(modules) == \
+        "(Darwin-arm64-32)(Darwin-arm64-64)(Linux-amd64-32)(Linux-amd64-64)(Windows-amd64-32)(Windows-amd64-64)"
+    (tmp_path / "tactus.d_amd64").touch()
+    with pytest.raises(SystemExit, match="greed~: no module for amd64 with 32 bits"):
+        make_packages.join_for_macos({key: path for key, path in make_packages.modules_in(tmp_path).items()
+                                      if key[1] == "darwin"}, tmp_path)
 
 
 @pytest.mark.slow
