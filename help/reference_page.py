@@ -4,7 +4,7 @@
     reference_page.py --declarations declarations.json --surface-keys surface_keys.json --docs FOLDER
     reference_page.py ... --check FOLDER                        checks that the pages in FOLDER are up to date
 
-FOLDER is docs/; the pages are FOLDER/reference/NAME.md, and the part of FOLDER/formats/surface.md between its
+FOLDER is docs/; the pages are FOLDER/reference/NAME.md, their list FOLDER/reference/README.md, and the part of FOLDER/formats/surface.md between its
 two marks.
 """
 import argparse
@@ -133,8 +133,19 @@ def surface_tables(keys):
     return "\n".join(out) + "\n"
 
 
+def index(declarations, folder):
+    """The list of all objects, each with its reference and its tutorial."""
+    tutorials = {p.stem for p in (folder / "tutorials").glob("*.md")}
+    rows = [[f"[{d['name']}]({d['name']}.md)", d["title"],
+             f"[first messages](../tutorials/{d['name']}.md)" if d["name"] in tutorials else ""] for d in declarations]
+    return "\n".join(["# Reference of the objects", "",
+                      "Every inlet, outlet, parameter and message, with unit and range. Written by "
+                      "`help/reference_page.py`.", "", *table(["object", "purpose", "tutorial"], rows)])
+
+
 def pages(declarations, keys, folder):
     """The texts of all pages, by path."""
+    yield folder / "reference" / "README.md", index(declarations, folder)
     for d in declarations:
         spell_choices(d)
         yield folder / "reference" / f"{d['name']}.md", page(d)

@@ -31,7 +31,7 @@ def test_no_link_of_any_page_is_broken_and_every_page_of_the_docs_is_reached_fro
             targets = (site.target(name, link) for link in re.findall(r'href="([^"]+)"', site.pages[name].body))
             left += [target[0] for target in targets if target]
     lost = {name for name in site.pages if name.startswith("docs/")} - reached
-    assert len(site.pages) > 100 and not lost, f"no page leads to {', '.join(sorted(lost))}: link it in docs/README.md"
+    assert len(site.pages) > 100 and not lost, f"no page leads to {', '.join(sorted(lost))}: link it in docs/README.md, or write the reference (ninja reference)"
 
 
 FIRST = "# One\n\n## Two words, `code`~\n\n## Two words, `code`~\n\n"
