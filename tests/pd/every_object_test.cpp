@@ -245,11 +245,12 @@ TEST_CASE("the first argument of a box is what one would guess, before and after
       if (declaration.arguments.empty())
         return;
       first = declaration.arguments.front().parameter;
-      const Parameter* const parameter = find_parameter(declaration, first);
-      if (!parameter)
+      const auto index = find_parameter(declaration, first);
+      if (!index)
         FAIL("add a row for " << declaration.name << " to guesses[]: '" << first
                               << "' is not a parameter");
-      const MessageAtom value = atom_of(*parameter, parameter->max);
+      const Parameter& parameter = declaration.parameters[*index];
+      const MessageAtom value = atom_of(parameter, parameter.highest);
       derived = {nullptr, first.c_str(), {value}, {value}};
       guess = &derived;
     }

@@ -28,7 +28,7 @@ double ulps(double got, Long exact) {
   const auto nearest = static_cast<double>(exact);
   if (std::isinf(nearest) || std::isinf(got))
     return got == nearest ? 0 : kInfinity;
-  const int exponent = exact == 0 ? -1074 : std::max(std::ilogb(nearest) - 52, -1074);
+  const int exponent = nearest == 0 ? -1074 : std::max(std::ilogb(nearest) - 52, -1074);
   return static_cast<double>(std::abs(got - exact) / std::ldexp(Long(1), exponent));
 }
 
